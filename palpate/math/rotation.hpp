@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
+
+/// SO(3) with its tangent maps. Tangents are body-side (right): R exp(phi) ~ R (I + hat(phi)).
+namespace palpate {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// hat(a) b = a x b.
+inline Matrix3d hat(const Vector3d& a) {
+  Matrix3d A;
+  A << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
+  return A;
+}
+
+/// exp: R^3 [rad] -> SO(3), Rodrigues' formula.
+inline Matrix3d exp_so3(const Vector3d& phi) {
+  const double angle = phi.norm();
+  if (angle < 1e-10) return Matrix3d::Identity() + hat(phi);
+  return Eigen::AngleAxisd(angle, phi / angle).toRotationMatrix();
+}
+
+/// log: SO(3) -> R^3 [rad], |log| <= pi. Through the quaternion, so it stays exact near 0 and near pi.
+inline Vector3d log_so3(const Matrix3d& R) {
+  Eigen::Quaterniond q(R);
+  if (q.w() < 0.0) q.coeffs() = -q.coeffs();
+  const double sine = q.vec().norm();
+  if (sine < 1e-10) return 2.0 * q.vec();
+  return (2.0 * std::atan2(sine, q.w()) / sine) * q.vec();
+}
+
+/// Inverse of the left Jacobian: log(exp(eps) exp(phi)) = phi + J_l^-1(phi) eps + O(eps^2).
+/// J_l^-1 = I - hat(phi)/2 + (1/a^2 - cot(a/2)/(2a)) hat(phi)^2, a = |phi| < 2 pi.
+inline Matrix3d inverse_left_jacobian(const Vector3d& phi) {
+  const double angle = phi.norm();
+  const Matrix3d H = hat(phi);
+  const double c = angle < 1e-4 ? 1.0 / 12.0 + angle * angle / 720.0
+                                : 1.0 / (angle * angle) - 0.5 / (angle * std::tan(0.5 * angle));
+  return Matrix3d::Identity() - 0.5 * H + c * H * H;
+}
+
+/// Inverse of the right Jacobian: log(exp(phi) exp(eps)) = phi + J_r^-1(phi) eps + O(eps^2).
+inline Matrix3d inverse_right_jacobian(const Vector3d& phi) { return inverse_left_jacobian(-phi); }
+
+}  // namespace palpate

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <palpate/math/pose.hpp>
+#include <palpate/rod/rod.hpp>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+/// What a tracked sensor measures.
+enum class SensorKind {
+  kPose,      ///< 6 degrees of freedom
+  kPose5,     ///< no roll about the sensor's z axis
+  kPosition,  ///< a point
+};
+
+/// A sensor fixed to the shaft, or to the base.
+struct Sensor {
+  std::string name;
+  SensorKind kind = SensorKind::kPose;
+  double arc_length_m = 0.0;         ///< up to the flexible length plus the rigid tip; unused for the base sensor
+  Pose T_local_sensor;               ///< mounting: sensor axes and origin in the local frame (d1, d2, d3)
+  double mount_sigma_m = 0.0;        ///< of the mounting position, per axis
+  double noise_m = 0.28e-3;          ///< white noise of the position, per axis
+  double noise_rad = 0.17 * 0.017453292519943295;  ///< white noise of the orientation, per axis
+  double bias_m = 0.0;               ///< slowly varying accuracy error, rms in 3-D
+  double bias_rad = 0.0;
+  std::vector<std::string> markers;  ///< optical capture: midpoint (position) or triad (pose) of these
+};
+
+enum class TendonModel {
+  kCouple,     ///< moment constant in local components: turns with each section
+  kEndMoment,  ///< moment constant in tip components, at the tip
+};
+
+struct Tendon {
+  bool present = false;
+  TendonModel model = TendonModel::kCouple;
+  double offset_m = 0.0;              ///< tendon to centreline; moment = tension * offset; 0: not given
+  double moment_sigma_fraction = 0.0;
+};
+
+/// Where the clamp frame stands in the tracker's frame.
+struct BaseRegistration {
+  Pose T_tracker_base;
+  double position_sigma_m = 0.0;   ///< per axis
+  double rotation_sigma_rad = 0.0;
+  bool tracked = false;            ///< a base sensor gives the pose in every frame instead
+  Sensor sensor;                   ///< the base sensor (T_local_sensor: its mounting in the clamp frame)
+};
+
+/// One catheter in one setup: the shaft, what watches it, and how well each number is known (one sigma).
+struct Catheter {
+  std::string name;
+  Rod rod;
+  Tendon tendon;
+  std::vector<Sensor> sensors;  ///< on the shaft; the order of readings in a TrackerFrame
+  BaseRegistration base;
+  double stiffness_sigma_fraction = 0.0;
+  Vector3d precurvature_sigma_per_m = Vector3d::Zero();
+
+  /// Throws InputError naming the sensor or parameter, its value and the range.
+  void validate() const;
+};
+
+/// Most sensors on one shaft: bounds every fixed-capacity matrix of the estimator.
+inline constexpr int kMaxSensors = 8;
+
+}  // namespace palpate

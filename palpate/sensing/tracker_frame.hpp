@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace palpate {
+
+/// What the tracker says about one sensor at one time, unchecked: any number may be NaN, any quaternion broken.
+struct SensorReading {
+  enum class Status : std::uint8_t { kMissing, kOk };
+
+  Status status = Status::kMissing;
+  bool has_orientation = false;                                 ///< false: a point only
+  Eigen::Vector4d quaternion_wxyz = Eigen::Vector4d::Zero();    ///< sensor to tracker, as received
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();         ///< sensor origin in the tracker's frame
+  double error_m = std::numeric_limits<double>::quiet_NaN();    ///< the device's own quality figure, if any
+};
+
+/// One instant of the tracker. `readings` follow Catheter::sensors; the base sensor, if tracked, comes last.
+struct TrackerFrame {
+  double time_s = 0.0;
+  std::int64_t number = 0;
+  std::vector<SensorReading> readings;
+};
+
+}  // namespace palpate
