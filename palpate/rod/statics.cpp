@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+#include <palpate/math/errors.hpp>
+#include <palpate/rod/integration.hpp>
+#include <palpate/rod/statics.hpp>
+
+namespace palpate {
+
+namespace {
+
+// Measured by benchmarks/integrators: the largest angles that keep the promised accuracy, with a margin.
+constexpr double kRealtimeAngle = 1.2;
+constexpr double kReferenceAngle = 0.5;
+
+std::vector<double> stops_from_tip(const Rod& rod, std::span<const double> arc_lengths_m) {
+  const double length = rod.length_m();
+  std::vector<double> stops{length};
+  for (const Section& section : rod.sections) stops.push_back(length - section.from_m);
+  for (const double s : arc_lengths_m)
+    if (s < length) stops.push_back(length - s);
+  std::sort(stops.begin(), stops.end());
+  const auto same = [length](double a, double b) { return b - a < 1e-12 * length; };
+  stops.erase(std::unique(stops.begin(), stops.end(), same), stops.end());
+  std::erase_if(stops, [length](double sigma) { return sigma < 1e-12 * length; });
+  return stops;
+}
+
+int section_at(const Rod& rod, double s) {
+  int index = 0;
+  while (index + 1 < static_cast<int>(rod.sections.size()) && s >= rod.sections[index].to_m) ++index;
+  return index;
+}
+
+}  // namespace
+
+RodSolver::RodSolver(Rod rod, std::span<const double> arc_lengths_m, Accuracy accuracy)
+    : rod_(std::move(rod)),
+      arc_lengths_m_(arc_lengths_m.begin(), arc_lengths_m.end()),
+      station_order_(arc_lengths_m.size()),
+      angle_per_step_(accuracy == Accuracy::kRealtime ? kRealtimeAngle : kReferenceAngle) {
+  rod_.validate();
+  const double length = rod_.length_m(), reach = length + rod_.rigid_tip_m, slack = 1e-9 * length;
+  for (const double s : arc_lengths_m_)
+    if (!(s >= -slack && s <= reach + slack))
+      throw InputError(fmt::format("arc length {} m: expected a place on the shaft, 0 to {} m", s, reach));
+
+  std::iota(station_order_.begin(), station_order_.end(), 0);
+  std::stable_sort(station_order_.begin(), station_order_.end(),
+                   [&](int a, int b) { return arc_lengths_m_[a] > arc_lengths_m_[b]; });
+  const auto sigma_of = [&](int k) { return length - arc_lengths_m_[station_order_[k]]; };
+  const int stations = static_cast<int>(station_order_.size());
+  while (stations_at_tip_ < stations && sigma_of(stations_at_tip_) < 1e-12 * length) ++stations_at_tip_;
+
+  double from = 0.0;
+  int next = stations_at_tip_;
+  for (const double sigma : stops_from_tip(rod_, arc_lengths_m_)) {
+    Piece piece{.from_sigma_m = from, .length_m = sigma - from, .first_station = next};
+    piece.section = section_at(rod_, length - 0.5 * (from + sigma));
+    while (next < stations && sigma_of(next) < sigma + 1e-12 * length) ++next;
+    piece.end_station = next;
+    pieces_.push_back(piece);
+    from = sigma;
+  }
+
+  least_stiffness_Nm2_ = std::numeric_limits<double>::infinity();
+  for (const Section& section : rod_.sections)
+    if (!section.rigid) least_stiffness_Nm2_ = std::min(least_stiffness_Nm2_, section.stiffness_Nm2.minCoeff());
+}
+
+double RodSolver::curvature_bound_per_m(const TipLoad& load) const {
+  const Vector3d moment = load.moment_tip_Nm + rod_.contact_offset_m.cross(load.force_tip_N);
+  const double force = load.force_tip_N.norm() + rod_.length_m() * load.distributed_tip_N_per_m.norm();
+  double unloaded = 0.0;
+  for (const Section& section : rod_.sections) unloaded = std::max(unloaded, section.precurvature_per_m.norm());
+  return unloaded + (moment.norm() + load.tendon_couple_Nm.norm()) / least_stiffness_Nm2_ +
+         2.0 * std::sqrt(force / least_stiffness_Nm2_);
+}
+
+template <int N>
+RodSolution<N> RodSolver::make_solution() const {
+  RodSolution<N> solution;
+  solution.points.resize(arc_lengths_m_.size());
+  if constexpr (N > 0) solution.tangents.resize(arc_lengths_m_.size());
+  return solution;
+}
+
+template <int N>
+void RodSolver::solve(const TipLoad& load, const LoadDirections<N>& directions, RodSolution<N>& solution) const {
+  assert(solution.points.size() == arc_lengths_m_.size());
+  const bool distributed = !load.distributed_tip_N_per_m.isZero(0.0) || !directions.distributed_tip_N_per_m.isZero(0.0);
+  if (rod_.shears() || distributed)
+    integrate<N, true>(load, directions, solution);
+  else
+    integrate<N, false>(load, directions, solution);
+}
+
+template <int N, bool Full>
+void RodSolver::integrate(const TipLoad& load, const LoadDirections<N>& directions, RodSolution<N>& solution) const {
+  using namespace rod_field;
+  const double steps_per_m = curvature_bound_per_m(load) / angle_per_step_;
+  State<double, N, Full> y = State<double, N, Full>::Zero();
+  y(0, 0) = 1.0;
+
+  for (int k = 0; k < stations_at_tip_; ++k) {
+    const int station = station_order_[k];
+    record_rigid_tip<N>(rod_, load, directions, arc_lengths_m_[station] - rod_.length_m(), station, solution);
+  }
+  for (const Piece& piece : pieces_) {
+    const Parameters<double, N> p = section_parameters(rod_, rod_.sections[piece.section], load, directions);
+    const int steps = std::max(1, static_cast<int>(std::ceil(piece.length_m * steps_per_m)));
+    integrate_piece<kCooperVerner8, Full>(piece.from_sigma_m, piece.length_m, steps, p, y);
+    const double sigma = piece.from_sigma_m + piece.length_m;
+    for (int k = piece.first_station; k < piece.end_station; ++k)
+      record<Full>(sigma, y, p, load, directions, station_order_[k], solution);
+  }
+  to_base_frame<Full>(y, solution);
+}
+
+#define PALPATE_INSTANTIATE(N)                                     \
+  template RodSolution<N> RodSolver::make_solution<N>() const; \
+  template void RodSolver::solve<N>(const TipLoad&, const LoadDirections<N>&, RodSolution<N>&) const;
+PALPATE_INSTANTIATE(0)
+PALPATE_INSTANTIATE(3)
+PALPATE_INSTANTIATE(6)
+PALPATE_INSTANTIATE(9)
+PALPATE_INSTANTIATE(12)
+PALPATE_INSTANTIATE(15)
+#undef PALPATE_INSTANTIATE
+
+}  // namespace palpate
