@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <palpate/sensing/shape_model.hpp>
 #include <string>
 
 namespace palpate {
 
 enum class Method { kEkf, kIekf, kIaekf, kUkf };
-enum class MeasurementKind { kPoses, kTipAndCurvature };
 enum class ForceModel { kRandomWalk, kConstantVelocity, kRhythm };
 
 /// Settings of the force observer. One source of defaults for C++, the catheter file and the command line.
@@ -22,6 +22,8 @@ struct ObserverOptions {
   int max_iterations = 10;                ///< of the iterated filters; range [1, 100]
   int adaptation_window = 15;             ///< M of Eqs. (18), (19), in frames; range [5, 1000]
   double outlier_probability = 1e-6;      ///< share of good frames that the outlier test may refuse; range (0, 0.1]
+
+  bool report_convergence_index = false;  ///< fill Estimate::convergence; costs a factorisation a frame
 
   /// Throws InputError naming the field, its value and the range.
   void validate() const;

@@ -3,13 +3,16 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <palpate/rod/base_loads.hpp>
 
 namespace palpate {
 
 namespace {
 
-constexpr double kClosed_rad = 1e-12;  // residual of the loop, near the rounding of a rotation
+constexpr double kClosed_rad = 1e-12;     // residual of the loop, near the rounding of a rotation
+constexpr double kSameBranch_rad = 0.05;  // from the extrapolated tip rotation: a step is small enough to be followed
 
 /// Residual e = log(Q^T R_tip_base) and A = de/d delta for Q -> Q exp(delta), given how the tip rotation answers:
 /// `phi_per_delta` = d(body rotation of R_base_tip)/d delta.
@@ -133,14 +136,14 @@ class Branch {
     double least_stiffness = 0.0, determinant = 1.0;
   };
 
-  /// Newton from `guess`; false where it does not close or turns the tip too far to be the same branch.
+  /// Newton from `guess`; false where it does not close or ends too far from it to be surely the same branch.
   bool correct(double factor, const Matrix3d& guess, Point& point) {
     Matrix3d Q = guess;
     for (int iteration = 0; iteration < 12; ++iteration) {
       const Loop loop = evaluate(factor, Q);
       if (loop.e.norm() < kClosed_rad) {
         point = {factor, Q, least_stiffness(loop.A), (-loop.A).determinant()};
-        return log_so3(guess.transpose() * Q).norm() < 0.2;
+        return log_so3(guess.transpose() * Q).norm() < kSameBranch_rad;
       }
       const Vector3d delta = -loop.A.fullPivLu().solve(loop.e);
       if (!(delta.norm() < 0.5)) return false;
@@ -184,48 +187,69 @@ class Branch {
   int evaluations_ = 0;
 };
 
-/// Load factor between two points of the branch where the least stiffness passes zero.
-double locate_loss_of_stability(Branch& branch, Branch::Point stable, Branch::Point unstable) {
+/// Load factor between two points where the least stiffness passes zero. Nothing where it does not: then they lie on two
+/// branches. A real crossing is a place, up to the cube root of rounding; a bifurcation that an imperfection has torn
+/// apart leaves a gap.
+std::optional<double> locate_loss_of_stability(Branch& branch, Branch::Point stable, Branch::Point unstable) {
+  constexpr double kOnePlace_rad = 1e-3;
   for (int i = 0; i < 40 && unstable.factor - stable.factor > 1e-9; ++i) {
     const double share = std::clamp(stable.least_stiffness / (stable.least_stiffness - unstable.least_stiffness), 0.1, 0.9);
     const double factor = stable.factor + share * (unstable.factor - stable.factor);
     Branch::Point point;
-    if (!branch.correct(factor, stable.Q, point)) break;
+    if (!branch.correct(factor, stable.Q, point)) return std::nullopt;
     (point.least_stiffness > 0.0 ? stable : unstable) = point;
   }
+  if (log_so3(stable.Q.transpose() * unstable.Q).norm() > kOnePlace_rad) return std::nullopt;
   return 0.5 * (stable.factor + unstable.factor);
+}
+
+/// A sixteenth of the load, and no more than 4 / pi^2 of a straight rod's Euler load: no critical load lies so close to
+/// another that a step could pass both unseen.
+double largest_step(const Rod& rod, const BaseLoad& load) {
+  double EI = std::numeric_limits<double>::infinity();
+  for (const Section& section : rod.sections)
+    if (!section.rigid) EI = std::min(EI, section.stiffness_Nm2.minCoeff());
+  const double L = rod.length_m();
+  const double force_N =
+      load.force_base_N.norm() + load.tip.force_tip_N.norm() + L * rod.distributed_load_base_N_per_m.norm();
+  return std::min(1.0 / 16, EI / (L * L * force_N));
 }
 
 }  // namespace
 
 Equilibrium follow_from_rest(const RodSolver& solver, const BaseLoad& load) {
-  constexpr double kFirstStep = 1.0 / 16, kLeastStep = 1e-5;
+  const double largest = largest_step(solver.rod(), load), least = 1e-4 * largest;
   Branch branch(solver, load);
   Branch::Point point;
   auto at_rest = solver.make_solution<0>();
   TipLoad unloaded = load.tip;
   unloaded.force_tip_N.setZero();
+  unloaded.distributed_tip_N_per_m.setZero();
   solver.solve(unloaded, at_rest);
   branch.correct(0.0, at_rest.T_base_tip.R.transpose(), point);
   const double stiffness_at_rest = point.least_stiffness;
 
   Equilibrium out;
   Matrix3d turn = Matrix3d::Identity();  // of the tip over the last step, per unit of load factor
-  double step = kFirstStep, last_step = 0.0;
-  while (point.factor < 1.0 && step > kLeastStep) {
+  double step = largest, last_step = 0.0;
+  while (point.factor < 1.0 && step > least) {
     const double factor = std::min(1.0, point.factor + step);
     const Vector3d secant = last_step > 0.0 ? Vector3d(log_so3(turn) * ((factor - point.factor) / last_step)) : Vector3d::Zero();
     Branch::Point next;
-    if (!branch.correct(factor, point.Q * exp_so3(secant), next)) {
+    bool followed = branch.correct(factor, point.Q * exp_so3(secant), next);
+    if (followed && out.critical_load_factor == 0.0 && next.least_stiffness <= 0.0) {
+      const std::optional<double> critical = locate_loss_of_stability(branch, point, next);
+      followed = critical.has_value();
+      out.critical_load_factor = critical.value_or(0.0);
+    }
+    if (!followed) {
       step *= 0.5;
       continue;
     }
-    if (out.critical_load_factor == 0.0 && next.least_stiffness <= 0.0)
-      out.critical_load_factor = locate_loss_of_stability(branch, point, next);
     turn = point.Q.transpose() * next.Q;
     last_step = next.factor - point.factor;
     point = next;
-    step = std::min(2.0 * step, kFirstStep);
+    step = std::min(2.0 * step, largest);
   }
 
   branch.correct(point.factor, point.Q, point);

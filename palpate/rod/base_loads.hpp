@@ -64,7 +64,8 @@ struct Equilibrium {
 };
 
 /// Follows the equilibrium from zero to the full load by continuation with adaptive steps; the rod's distributed load
-/// grows along. Never jumps: a step that turns the tip by more than 0.2 rad is refused and halved. Allocates.
+/// grows along. Never jumps: a step that ends more than 0.05 rad from the extrapolated tip rotation is refused and halved, and
+/// so is one from a stable to an unstable place without a crossing between them. Allocates.
 Equilibrium follow_from_rest(const RodSolver& solver, const BaseLoad& load);
 
 }  // namespace palpate

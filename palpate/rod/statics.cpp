@@ -14,8 +14,8 @@ namespace palpate {
 namespace {
 
 // Measured by benchmarks/integrators: the largest angles that keep the promised accuracy, with a margin.
-constexpr double kRealtimeAngle = 1.2;
-constexpr double kReferenceAngle = 0.5;
+constexpr double kRealtimeAngle = 1.25;
+constexpr double kReferenceAngle = 0.65;
 
 std::vector<double> stops_from_tip(const Rod& rod, std::span<const double> arc_lengths_m) {
   const double length = rod.length_m();
@@ -113,7 +113,7 @@ void RodSolver::integrate(const TipLoad& load, const LoadDirections<N>& directio
   for (const Piece& piece : pieces_) {
     const Parameters<double, N> p = section_parameters(rod_, rod_.sections[piece.section], load, directions);
     const int steps = std::max(1, static_cast<int>(std::ceil(piece.length_m * steps_per_m)));
-    integrate_piece<kCooperVerner8, Full>(piece.from_sigma_m, piece.length_m, steps, p, y);
+    integrate_piece<kDormandPrince8, Full>(piece.from_sigma_m, piece.length_m, steps, p, y);
     const double sigma = piece.from_sigma_m + piece.length_m;
     for (int k = piece.first_station; k < piece.end_station; ++k)
       record<Full>(sigma, y, p, load, directions, station_order_[k], solution);

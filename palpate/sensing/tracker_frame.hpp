@@ -19,11 +19,19 @@ struct SensorReading {
   double error_m = std::numeric_limits<double>::quiet_NaN();    ///< the device's own quality figure, if any
 };
 
+/// Moment that the tendon exerts on the shaft, about d1 and d2.
+struct TendonReading {
+  bool present = false;
+  Eigen::Vector2d moment_Nm = Eigen::Vector2d::Zero();
+  double sigma_Nm = 0.0;
+};
+
 /// One instant of the tracker. `readings` follow Catheter::sensors; the base sensor, if tracked, comes last.
 struct TrackerFrame {
   double time_s = 0.0;
   std::int64_t number = 0;
-  std::vector<SensorReading> readings;
+  std::vector<SensorReading> readings = {};
+  TendonReading tendon = {};
 };
 
 }  // namespace palpate

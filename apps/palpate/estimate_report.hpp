@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <palpate/evaluation/run_summary.hpp>
+#include <palpate/identification/tare.hpp>
+#include <palpate/observer/options.hpp>
+#include <palpate/recording/tracker_recording.hpp>
+#include <string>
+#include <vector>
+
+namespace palpate::app {
+
+/// What `palpate estimate` tells a person, a program (JSON) and the eye (picture) about a run.
+class EstimateReport {
+ public:
+  explicit EstimateReport(const TrackerRecording& recording) : recording_(recording) {}
+
+  void set_tare(const Tare& tare) { tare_ = tare; }
+  void add(const Estimate& estimate, std::size_t readings);
+  /// Force and its 95 % band over time, one panel an axis. Throws InputError where it cannot be drawn.
+  void plot(const std::string& path, const std::string& title) const;
+  void print(const Catheter& catheter, const ObserverOptions& options, const std::string& out, bool json);
+
+ private:
+  void print_text(const RunSummary& summary, const ObserverOptions& options, const std::string& out) const;
+  void print_json(const RunSummary& summary, const Catheter& catheter, const ObserverOptions& options, const std::string& out) const;
+
+  const TrackerRecording& recording_;
+  std::optional<Tare> tare_;
+  RunSummaryBuilder summary_;
+  std::vector<double> times_s_;
+  std::vector<Vector3d> force_N_, sigma_N_;
+};
+
+}  // namespace palpate::app

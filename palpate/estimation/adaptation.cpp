@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <palpate/estimation/adaptation.hpp>
+
+namespace palpate {
+
+NoiseAdaptation::NoiseAdaptation(int channels, int window) : channel_(static_cast<std::size_t>(channels)) {
+  for (Channel& channel : channel_) {
+    channel.residual.resize(static_cast<std::size_t>(window));
+    channel.projected.resize(static_cast<std::size_t>(window));
+  }
+}
+
+void NoiseAdaptation::apply(const Channels& channels, ResidualMatrix& noise) const {
+  for (Eigen::Index i = 0; i < noise.rows(); ++i) {
+    const double scale = std::sqrt(ratio(channels[static_cast<std::size_t>(i)]));
+    noise.row(i) *= scale;
+    noise.col(i) *= scale;
+  }
+}
+
+void NoiseAdaptation::observe(const Channels& channels, const ResidualMatrix& nominal_noise, const Linearization& at,
+                              const StateMatrix& posterior_covariance) {
+  for (Eigen::Index i = 0; i < at.residual.size(); ++i) {
+    Channel& channel = channel_[static_cast<std::size_t>(channels[static_cast<std::size_t>(i)])];
+    const int window = static_cast<int>(channel.residual.size());
+    const double nominal = nominal_noise(i, i);
+    const auto slot = static_cast<std::size_t>(channel.next);
+    channel.residual[slot] = at.residual(i) / std::sqrt(nominal);
+    channel.projected[slot] = at.jacobian.row(i).dot(posterior_covariance * at.jacobian.row(i).transpose()) / nominal;
+    channel.next = (channel.next + 1) % window;
+    channel.count = std::min(channel.count + 1, window);
+    if (channel.count < 2) continue;
+
+    const Eigen::Map<const Eigen::ArrayXd> r(channel.residual.data(), channel.count);
+    const Eigen::Map<const Eigen::ArrayXd> projected(channel.projected.data(), channel.count);
+    const double samples = channel.count;
+    const double matched = (r - r.mean()).square().sum() / (samples - 1.0) + projected.mean();
+    const double shrunk = (kPriorSamples + samples * matched) / (kPriorSamples + samples);
+    channel.ratio = std::clamp(shrunk, kLeastRatio, kLargestRatio);
+  }
+}
+
+}  // namespace palpate

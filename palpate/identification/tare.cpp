@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+
+#include <cmath>
+#include <palpate/estimation/kalman.hpp>
+#include <palpate/identification/tare.hpp>
+#include <palpate/math/errors.hpp>
+#include <palpate/rod/base_loads.hpp>
+#include <palpate/sensing/measurement.hpp>
+#include <palpate/sensing/sensor_model.hpp>
+
+namespace palpate {
+
+namespace {
+
+/// Mean pose of each sensor over the interval, in the nominal base frame.
+struct MeanPoses {
+  struct Entry {
+    Pose T_base_sensor;
+    Vector3d position_sum = Vector3d::Zero();
+    Eigen::Matrix4d quaternion_moment = Eigen::Matrix4d::Zero();  ///< sum of q q^T: its main axis is the mean rotation
+    int count = 0;
+  };
+  std::vector<Entry> sensors;
+  int frames = 0;
+};
+
+MeanPoses average(const Catheter& catheter, std::span<const TrackerFrame> frames, const TareInterval& interval) {
+  MeanPoses mean;
+  mean.sensors.resize(catheter.sensors.size());
+  Measurement measurement;
+  for (const TrackerFrame& frame : frames) {
+    if (!(frame.time_s >= interval.from_s && frame.time_s <= interval.to_s)) continue;
+    register_frame(catheter, frame, measurement);
+    mean.frames += measurement.count > 0 ? 1 : 0;
+    for (int k = 0; k < measurement.count; ++k) {
+      const auto& [sensor, T] = measurement.poses[k];
+      MeanPoses::Entry& entry = mean.sensors[sensor];
+      const Eigen::Vector4d q = Eigen::Quaterniond(T.R).coeffs();
+      entry.position_sum += T.p;
+      entry.quaternion_moment += q * q.transpose();
+      ++entry.count;
+    }
+  }
+  if (mean.frames == 0)
+    throw InputError(fmt::format("reference {}:{} s: no usable frame in the interval", interval.from_s, interval.to_s));
+  for (MeanPoses::Entry& entry : mean.sensors) {
+    if (entry.count == 0) continue;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> axes(entry.quaternion_moment);
+    entry.T_base_sensor.R = Eigen::Quaterniond(Eigen::Vector4d(axes.eigenvectors().col(3))).toRotationMatrix();
+    entry.T_base_sensor.p = entry.position_sum / entry.count;
+  }
+  return mean;
+}
+
+/// The unloaded shaft seen from a base that may stand elsewhere. State: x = (change of u0 [1/m], rho [m], theta [rad]);
+/// the clamp moves to T_base_nominal = (exp(theta), rho).
+class UnloadedModel {
+ public:
+  UnloadedModel(const Catheter& catheter, const MeanPoses& mean, bool straight)
+      : catheter_(catheter), mean_(mean), straight_(straight) {
+    for (const Sensor& sensor : catheter.sensors) arc_lengths_.push_back(sensor.arc_length_m);
+    for (std::size_t i = 0; i < mean.sensors.size(); ++i)
+      if (mean.sensors[i].count > 0) rows_ += rows_of(catheter.sensors[i].kind);
+  }
+
+  int rows() const { return rows_; }
+
+  void noise(ResidualMatrix& R) const {
+    R.setZero(rows_, rows_);
+    int row = 0;
+    for (std::size_t i = 0; i < mean_.sensors.size(); ++i) {
+      const MeanPoses::Entry& entry = mean_.sensors[i];
+      if (entry.count == 0) continue;
+      const Sensor& s = catheter_.sensors[i];
+      const int rows = rows_of(s.kind);
+      const auto variance = [&](double white, double bias) { return white * white / entry.count + bias * bias / 3.0; };
+      R.diagonal().segment(row, 3).setConstant(variance(s.noise_m, s.bias_m));
+      R.diagonal().segment(row + 3, rows - 3).setConstant(variance(s.noise_rad, s.bias_rad));
+      row += rows;
+    }
+  }
+
+  bool linearize(const StateVector& x, Linearization& at) {
+    const Pose T_nominal_base{exp_so3(x.tail<3>()), x.segment<3>(3)};
+    if (!solve_shape(x.head<3>(), T_nominal_base)) return false;
+    at.residual.resize(rows_);
+    at.jacobian.resize(rows_, 9);
+    position_rms_m = 0.0;
+    int row = 0, used = 0;
+    for (std::size_t i = 0; i < mean_.sensors.size(); ++i) {
+      if (mean_.sensors[i].count == 0) continue;
+      const Sensor& sensor = catheter_.sensors[i];
+      append_sensor_rows(sensor.kind, predict(sensor, i, T_nominal_base), mean_.sensors[i].T_base_sensor, row, at);
+      position_rms_m += at.residual.segment<3>(row).squaredNorm();
+      row += rows_of(sensor.kind);
+      ++used;
+    }
+    position_rms_m = std::sqrt(position_rms_m / used);
+    return at.residual.allFinite();
+  }
+
+  double position_rms_m = 0.0;  ///< of the last linearization
+
+ private:
+  bool solve_shape(const Vector3d& precurvature_change, const Pose& T_nominal_base) {
+    Rod rod = catheter_.rod;
+    for (Section& section : rod.sections) {
+      if (straight_) section.precurvature_per_m.setZero();
+      if (!section.rigid) section.precurvature_per_m += precurvature_change;
+    }
+    if (straight_) rod.distributed_load_base_N_per_m.setZero();
+    rod.distributed_load_base_N_per_m = T_nominal_base.R.transpose() * rod.distributed_load_base_N_per_m;
+    const RodSolver solver(rod, arc_lengths_, Accuracy::kReference);
+    shape_ = solver.make_solution<3>();
+    WeightWorkspace<3> workspace = make_weight_workspace<3>(solver);
+    LoadDirections<3> directions;
+    directions.precurvature_per_m.setIdentity();
+    return solve_under_weight(solver, TipLoad{}, directions, workspace, shape_).converged;
+  }
+
+  /// Sensor pose in the nominal base frame: T_nominal_base T_base_sensor, with columns (u0, rho, theta).
+  PredictedSensor<9> predict(const Sensor& sensor, std::size_t i, const Pose& T_nominal_base) const {
+    const PredictedSensor<3> own = predict_sensor(sensor, shape_.points[i], shape_.tangents[i]);
+    const Matrix3d turn = right_jacobian_of(T_nominal_base.R);
+    PredictedSensor<9> seen;
+    seen.T_base_sensor = T_nominal_base * own.T_base_sensor;
+    seen.rotation << own.rotation, Matrix3d::Zero(), own.T_base_sensor.R.transpose() * turn;
+    seen.position_m << T_nominal_base.R * own.position_m, Matrix3d::Identity(),
+        -T_nominal_base.R * hat(own.T_base_sensor.p) * turn;
+    return seen;
+  }
+
+  static Matrix3d right_jacobian_of(const Matrix3d& R) { return inverse_right_jacobian(log_so3(R)).inverse(); }
+
+  const Catheter& catheter_;
+  const MeanPoses& mean_;
+  bool straight_;
+  std::vector<double> arc_lengths_;
+  int rows_ = 0;
+  RodSolution<3> shape_;
+};
+
+Gaussian stated_prior(const Catheter& catheter, bool straight) {
+  constexpr double kFixed = 1e-12;  // sigma of what stays: small enough not to move, definite all the same
+  StateVector sigma = StateVector::Constant(9, kFixed);
+  if (!straight) sigma.head<3>() = sigma.head<3>().cwiseMax(catheter.precurvature_sigma_per_m);
+  if (!catheter.base.tracked) {
+    sigma.segment<3>(3).array() += catheter.base.position_sigma_m;
+    sigma.tail<3>().array() += catheter.base.rotation_sigma_rad;
+  }
+  return {StateVector::Zero(9), sigma.cwiseAbs2().asDiagonal()};
+}
+
+void correct(Tare& tare, const Gaussian& found, bool straight) {
+  tare.precurvature_change_per_m = found.mean.head<3>();
+  tare.base_shift_m = found.mean.segment<3>(3);
+  tare.base_rotation_rad = found.mean.tail<3>();
+  Catheter& catheter = tare.catheter;
+  for (Section& section : catheter.rod.sections)
+    if (!section.rigid) section.precurvature_per_m += tare.precurvature_change_per_m;
+  const Pose T_nominal_base{exp_so3(tare.base_rotation_rad), tare.base_shift_m};
+  catheter.rod.distributed_load_base_N_per_m =
+      T_nominal_base.R.transpose() * catheter.rod.distributed_load_base_N_per_m;
+  const StateVector variance = found.covariance.diagonal();
+  if (!straight) catheter.precurvature_sigma_per_m = variance.head<3>().cwiseSqrt();
+  if (catheter.base.tracked) return;
+  catheter.base.T_tracker_base = catheter.base.T_tracker_base * T_nominal_base;
+  catheter.base.position_sigma_m = std::sqrt(variance.segment<3>(3).mean());
+  catheter.base.rotation_sigma_rad = std::sqrt(variance.tail<3>().mean());
+}
+
+}  // namespace
+
+Tare tare(const Catheter& catheter, std::span<const TrackerFrame> frames, const TareInterval& interval) {
+  const MeanPoses mean = average(catheter, frames, interval);
+  UnloadedModel model(catheter, mean, interval.straight);
+  const Gaussian prior = stated_prior(catheter, interval.straight);
+  Linearization at;
+  Tare out{.catheter = catheter, .frames = mean.frames};
+  model.linearize(prior.mean, at);
+  out.residual_before_m = model.position_rms_m;
+  Update update;
+  iterated_update(model, prior, prior.mean, {.max_iterations = 50, .step_tolerance = 1e-4}, update);
+  if (update.status != UpdateStatus::kConverged)
+    throw InputError(fmt::format("reference {}:{} s: no base and precurvature near the stated ones explain the poses; "
+                                 "is the shaft really unloaded there?", interval.from_s, interval.to_s));
+  correct(out, update.posterior, interval.straight);
+  model.linearize(update.posterior.mean, at);
+  out.residual_after_m = model.position_rms_m;
+  return out;
+}
+
+}  // namespace palpate

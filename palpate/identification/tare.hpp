@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <palpate/sensing/catheter.hpp>
+#include <palpate/sensing/tracker_frame.hpp>
+#include <span>
+
+/// Zero-force tare: what a stretch of recording without tip force says about base and precurvature.
+namespace palpate {
+
+struct TareInterval {
+  double from_s = 0.0, to_s = 0.0;
+  bool straight = false;  ///< held straight by hand: no bend at all; otherwise unloaded: precurvature and own weight act
+};
+
+struct Tare {
+  Catheter catheter;  ///< the corrected one, with the sigmas that remain
+  int frames = 0;     ///< that were averaged
+  Vector3d base_shift_m = Vector3d::Zero();             ///< of the clamp, in the old base frame
+  Vector3d base_rotation_rad = Vector3d::Zero();        ///< rotation vector, in the old base frame
+  Vector3d precurvature_change_per_m = Vector3d::Zero();
+  double residual_before_m = 0.0, residual_after_m = 0.0;  ///< rms over the sensors' positions
+};
+
+/// Most probable base pose and precurvature given the sensors' mean poses in the interval and what the catheter file
+/// states (values and sigmas): a MAP estimate by iterated updates. What has sigma 0 stays as it is; so does the base
+/// where it is tracked, and the precurvature where the shaft is held straight.
+/// `frames`: readings in the order of Catheter::sensors. Throws InputError where the interval holds no usable frame or
+/// the fit does not converge.
+Tare tare(const Catheter& catheter, std::span<const TrackerFrame> frames, const TareInterval& interval);
+
+}  // namespace palpate

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <palpate/estimation/consistency.hpp>
+#include <palpate/observer/frame_clock.hpp>
+#include <palpate/sensing/screening.hpp>
+#include <string_view>
+
+namespace palpate {
+
+/// What became of a frame, and of the state.
+enum class EstimateStatus : std::uint8_t {
+  kUpdated,       ///< the frame was used; state updated
+  kReseeded,      ///< used, after the search was restarted elsewhere; state updated
+  kAmbiguous,     ///< used; another force explains the frame as well; state updated with the nearer one
+  kRejected,      ///< the frame contradicts itself or its time is impossible; state held
+  kHeld,          ///< no usable sensor in the frame; state held
+  kNotConverged,  ///< no answer within the bounded work; state held
+  kStale,         ///< live only: nothing has come for too long
+};
+inline constexpr std::size_t kEstimateStatuses = 7;
+
+/// "UPDATED", "RESEEDED", ...: the words of the estimate CSV.
+std::string_view describe(EstimateStatus status);
+
+/// What the observer knows after a frame. Held states carry the predicted force with its grown covariance.
+struct Estimate {
+  double time_s = 0.0;
+  EstimateStatus status = EstimateStatus::kHeld;
+  FrameTime time = FrameTime::kFirst;
+  Vector3d force_tip_N = Vector3d::Zero();        ///< of the tissue on the tip, axes d1, d2, d3 at the flexible end
+  Matrix3d covariance_tip_N2 = Matrix3d::Zero();
+  Vector3d force_base_N = Vector3d::Zero();       ///< the same force in the clamp's frame
+  unsigned used = 0;                              ///< bit i: Catheter::sensors[i] was used
+  int sensors_used = 0;
+  double nis = 0.0;                               ///< normalised innovation squared, at the posterior's optimum
+  int dof = 0;                                    ///< its degrees of freedom; 0 where nothing was used
+  int evaluations = 0;                            ///< integrations of the rod
+  ConvergenceIndex convergence;                   ///< where ObserverOptions asks for it
+  std::array<Rejection, kMaxSensors + 1> rejections{};  ///< of each reading; the base sensor's last
+};
+
+}  // namespace palpate

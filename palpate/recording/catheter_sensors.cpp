@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <palpate/math/units.hpp>
+#include <palpate/recording/catheter_sensors.hpp>
+#include <palpate/recording/catheter_shaft.hpp>
+
+namespace palpate {
+namespace {
+
+constexpr double kArcTolerance_mm = 1e-9;
+constexpr NumberRange kAny = {-1e300, 1e300, "a number in mm"};
+constexpr NumberRange kQuaternion = {-2.0, 2.0, "part of a unit quaternion"};
+constexpr NumberRange kMountPosition = {-1000.0, 1000.0, "a length in mm, at most 1000"};
+constexpr NumberRange kBasePosition = {-1e5, 1e5, "a length in mm, at most 1e5"};
+constexpr NumberRange kSigma_mm = {0.0, 100.0, "a standard deviation in mm, 0..100"};
+constexpr NumberRange kSigma_deg = {0.0, 90.0, "a standard deviation in degrees, 0..90"};
+constexpr NumberRange kNoise_mm = {1e-9, 50.0, "a standard deviation in mm, more than 0, at most 50 (is it in um?)"};
+constexpr NumberRange kNoise_deg = {1e-9, 90.0, "a standard deviation in degrees, more than 0, at most 90"};
+
+Matrix3d read_rotation(const TomlTable& table, std::string_view key) {
+  const auto q = table.optional_vector<4>(key, kQuaternion);
+  if (!q) return Matrix3d::Identity();
+  if (!(std::abs(q->norm() - 1.0) <= 1e-3)) {
+    table.refuse(key, fmt::format("a unit quaternion [w, x, y, z], here of norm {:.6g}", q->norm()));
+  }
+  return Eigen::Quaterniond((*q)[0], (*q)[1], (*q)[2], (*q)[3]).normalized().toRotationMatrix();
+}
+
+Vector3d read_position(const TomlTable& table, std::string_view key, const NumberRange& each) {
+  return table.optional_vector<3>(key, each).value_or(Vector3d::Zero()) * kMetresPerMillimetre;
+}
+
+/// What [[sensor]] and a base sensor described in [base] have in common.
+Sensor read_properties(const TomlTable& table, std::string name, std::vector<std::string>& warnings) {
+  Sensor sensor;
+  sensor.name = std::move(name);
+  sensor.T_local_sensor.R = read_rotation(table, "mount_quaternion_wxyz");
+  sensor.T_local_sensor.p = read_position(table, "mount_position_mm", kMountPosition);
+  sensor.mount_sigma_m = table.number("mount_sigma_mm", kSigma_mm, 0.0) * kMetresPerMillimetre;
+  sensor.noise_m = table.number("noise_mm", kNoise_mm, sensor.noise_m * kMillimetresPerMetre) * kMetresPerMillimetre;
+  sensor.noise_rad = table.number("noise_deg", kNoise_deg, sensor.noise_rad / kRadiansPerDegree) * kRadiansPerDegree;
+  sensor.bias_m = table.number("bias_mm", kSigma_mm, 0.0) * kMetresPerMillimetre;
+  sensor.bias_rad = table.number("bias_deg", kSigma_deg, 0.0) * kRadiansPerDegree;
+  sensor.markers = table.texts("markers");
+  const std::string_view without = "the force's sigma does not contain it";
+  warn_not_acted_on(table, "mount_sigma_mm", sensor.mount_sigma_m > 0.0, without, warnings);
+  warn_not_acted_on(table, "bias_mm", sensor.bias_m > 0.0, without, warnings);
+  warn_not_acted_on(table, "bias_deg", sensor.bias_rad > 0.0, without, warnings);
+  return sensor;
+}
+
+double read_arc_length(const TomlTable& table, double end_mm) {
+  const double arc_mm = table.number("arc_length_mm", kAny);
+  if (!(arc_mm >= 0.0 && arc_mm <= end_mm + kArcTolerance_mm)) {
+    table.refuse("arc_length_mm", fmt::format("0..{:.10g} mm, the shaft with its rigid tip", end_mm));
+  }
+  if (arc_mm > 0.0 && arc_mm * kMillimetresPerMetre <= end_mm + kArcTolerance_mm) {
+    table.refuse("arc_length_mm", fmt::format("millimetres along a shaft of {:.10g} mm (is it in metres?)", end_mm));
+  }
+  return arc_mm * kMetresPerMillimetre;
+}
+
+Sensor read_sensor(const TomlTable& table, const std::string& base_name, double end_mm,
+                   std::vector<std::string>& warnings) {
+  Sensor sensor = read_properties(table, table.text("name"), warnings);
+  sensor.kind = table.choice<SensorKind>(
+      "kind", {{"pose", SensorKind::kPose}, {"pose5", SensorKind::kPose5}, {"position", SensorKind::kPosition}},
+      SensorKind::kPose);
+  const bool is_base = sensor.name == base_name;
+  if (is_base && sensor.kind != SensorKind::kPose) table.refuse("kind", "'pose', for this is the base sensor");
+  if (!is_base) sensor.arc_length_m = read_arc_length(table, end_mm);
+  return sensor;
+}
+
+void place_sensor(const TomlTable& table, Sensor sensor, Catheter& catheter, std::vector<std::string>& names) {
+  if (std::find(names.begin(), names.end(), sensor.name) != names.end()) table.refuse("name", "each name once");
+  names.push_back(sensor.name);
+  if (catheter.base.tracked && sensor.name == catheter.base.sensor.name) {
+    catheter.base.sensor = std::move(sensor);
+    return;
+  }
+  if (catheter.sensors.size() >= static_cast<std::size_t>(kMaxSensors)) {
+    table.refuse("name", fmt::format("at most {} sensors on the shaft", kMaxSensors));
+  }
+  catheter.sensors.push_back(std::move(sensor));
+}
+
+constexpr std::string_view kBaseSensorKeys[] = {"mount_quaternion_wxyz",
+                                                "mount_position_mm",
+                                                "mount_sigma_mm",
+                                                "noise_mm",
+                                                "noise_deg",
+                                                "bias_mm",
+                                                "bias_deg",
+                                                "markers"};
+
+void refuse_base_sensor_keys(const TomlTable& base, std::string_view expectation) {
+  for (const std::string_view key : kBaseSensorKeys) {
+    if (base.has(key)) base.refuse(key, expectation);
+  }
+}
+
+TomlTable find_base(const TomlTable& root) {
+  const auto base = root.table("base", {"quaternion_wxyz", "position_mm", "position_sigma_mm", "rotation_sigma_deg",
+                                        "sensor", "mount_quaternion_wxyz", "mount_position_mm", "mount_sigma_mm",
+                                        "noise_mm", "noise_deg", "bias_mm", "bias_deg", "markers"});
+  if (!base) root.refuse("base", "a table [base] with quaternion_wxyz and position_mm, or with sensor");
+  return *base;
+}
+
+void read_fixed_base(const TomlTable& table, BaseRegistration& base) {
+  refuse_base_sensor_keys(table, "this key only together with base.sensor");
+  for (const char* key : {"quaternion_wxyz", "position_mm"}) {
+    if (!table.has(key)) table.refuse(key, "quaternion_wxyz and position_mm of the clamp in the tracker, or sensor");
+  }
+  base.T_tracker_base.R = read_rotation(table, "quaternion_wxyz");
+  base.T_tracker_base.p = read_position(table, "position_mm", kBasePosition);
+}
+
+void read_base(const TomlTable& table, BaseRegistration& base) {
+  base.position_sigma_m = table.number("position_sigma_mm", kSigma_mm, 0.0) * kMetresPerMillimetre;
+  base.rotation_sigma_rad = table.number("rotation_sigma_deg", kSigma_deg, 0.0) * kRadiansPerDegree;
+  base.tracked = table.has("sensor");
+  if (!base.tracked) return read_fixed_base(table, base);
+  for (const char* key : {"quaternion_wxyz", "position_mm"}) {
+    if (table.has(key)) table.refuse(key, "either this, or sensor");
+  }
+  base.sensor.name = table.text("sensor");
+}
+
+/// The base sensor is one of the [[sensor]] entries, or described by [base] itself.
+void finish_base_sensor(const TomlTable& table, const std::vector<std::string>& names, BaseRegistration& base,
+                        std::vector<std::string>& warnings) {
+  if (!base.tracked) return;
+  if (std::find(names.begin(), names.end(), base.sensor.name) != names.end()) {
+    refuse_base_sensor_keys(table, fmt::format("this key in the [[sensor]] entry '{}'", base.sensor.name));
+  } else {
+    base.sensor = read_properties(table, base.sensor.name, warnings);
+  }
+}
+
+}  // namespace
+
+void read_sensors(const TomlTable& root, Catheter& catheter, std::vector<std::string>& warnings) {
+  const TomlTable base = find_base(root);
+  read_base(base, catheter.base);
+  const double end_mm = (catheter.rod.length_m() + catheter.rod.rigid_tip_m) * kMillimetresPerMetre;
+  std::vector<std::string> names;
+  for (const TomlTable& table :
+       root.tables("sensor", {"name", "kind", "arc_length_mm", "mount_quaternion_wxyz", "mount_position_mm",
+                              "mount_sigma_mm", "noise_mm", "noise_deg", "bias_mm", "bias_deg", "markers"})) {
+    place_sensor(table, read_sensor(table, catheter.base.sensor.name, end_mm, warnings), catheter, names);
+  }
+  if (catheter.sensors.empty()) root.refuse("sensor", "at least one [[sensor]] on the shaft");
+  finish_base_sensor(base, names, catheter.base, warnings);
+}
+
+}  // namespace palpate

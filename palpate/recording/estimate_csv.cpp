@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <optional>
+#include <palpate/recording/estimate_csv.hpp>
+#include <palpate/recording/text_table.hpp>
+
+namespace palpate {
+
+EstimateCsvWriter::EstimateCsvWriter(const std::filesystem::path& path) : file_(path) {
+  file_.write(
+      "time_s,fx_tip_N,fy_tip_N,fz_tip_N,sigma_x_N,sigma_y_N,sigma_z_N,cov_xy_N2,cov_xz_N2,cov_yz_N2,"
+      "fx_base_N,fy_base_N,fz_base_N,status,sensors_used,nis,dof,evaluations\n");
+}
+
+void EstimateCsvWriter::write(const Estimate& e) {
+  const Vector3d &f = e.force_tip_N, &b = e.force_base_N;
+  const Matrix3d& P = e.covariance_tip_N2;
+  const Vector3d sigma = P.diagonal().cwiseSqrt();
+  file_.write(fmt::format(
+      "{},{:.9g},{:.9g},{:.9g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.9g},{:.9g},{:.9g},{},{},{:.6g},{},{}\n",
+      e.time_s, f.x(), f.y(), f.z(), sigma.x(), sigma.y(), sigma.z(), P(0, 1), P(0, 2), P(1, 2), b.x(), b.y(), b.z(),
+      describe(e.status), e.sensors_used, e.nis, e.dof, e.evaluations));
+}
+
+namespace {
+
+std::optional<EstimateStatus> parse_status(std::string_view text) {
+  for (std::size_t i = 0; i < kEstimateStatuses; ++i)
+    if (text == describe(static_cast<EstimateStatus>(i))) return static_cast<EstimateStatus>(i);
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<EstimateRow> read_estimate_csv(const std::filesystem::path& path) {
+  const TextFile file = read_text_file(path);
+  CsvReader csv(file);
+  constexpr std::array<std::string_view, 10> names{"time_s",    "fx_tip_N",  "fy_tip_N",  "fz_tip_N",  "sigma_x_N",
+                                                   "sigma_y_N", "sigma_z_N", "cov_xy_N2", "cov_xz_N2", "cov_yz_N2"};
+  std::array<std::size_t, 10> column{};
+  for (std::size_t i = 0; i < names.size(); ++i) column[i] = csv.require(names[i]);
+  const std::size_t status_column = csv.require("status");
+
+  std::vector<EstimateRow> rows;
+  while (csv.next()) {
+    std::array<double, 10> v{};
+    for (std::size_t i = 1; i < v.size(); ++i) v[i] = csv.finite_number(column[i]);
+    v[0] = csv.number(column[0]);  // a frame's own time, whatever the tracker made of it
+    const auto status = parse_status(csv.text(status_column));
+    if (!status) csv.refuse(status_column, "UPDATED, RESEEDED, AMBIGUOUS, REJECTED, HELD, NOT_CONVERGED or STALE");
+    EstimateRow row{.time_s = v[0], .force_tip_N = {v[1], v[2], v[3]}, .status = *status};
+    row.covariance_tip_N2 << v[4] * v[4], v[7], v[8], v[7], v[5] * v[5], v[9], v[8], v[9], v[6] * v[6];
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+}  // namespace palpate

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <palpate/math/errors.hpp>
+#include <palpate/recording/text_table.hpp>
+#include <palpate/recording/toml_table.hpp>
+
+namespace palpate {
+namespace {
+
+/// Levenshtein: insertions, deletions and substitutions that turn one into the other.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+    }
+  }
+  return row.back();
+}
+
+std::string nearest(std::string_view key, std::initializer_list<std::string_view> known) {
+  return std::string(*std::min_element(known.begin(), known.end(), [&](std::string_view a, std::string_view b) {
+    return edit_distance(key, a) < edit_distance(key, b);
+  }));
+}
+
+/// As TOML would write it, numbers with as few digits as say which they are.
+std::string show(const toml::node* node) {
+  if (node == nullptr) return "(absent)";
+  if (const auto* text = node->as_string()) return fmt::format("\"{}\"", text->get());
+  if (const auto* integer = node->as_integer()) return fmt::format("{}", integer->get());
+  if (const auto* number = node->as_floating_point()) return fmt::format("{}", number->get());
+  if (const auto* flag = node->as_boolean()) return flag->get() ? "true" : "false";
+  if (node->is_table()) return "{...}";
+  if (!node->is_array()) return "(a date or time)";
+  std::vector<std::string> elements;
+  for (const toml::node& element : *node->as_array()) elements.push_back(show(&element));
+  return fmt::format("[{}]", fmt::join(elements, ", "));
+}
+
+bool in_range(double value, const NumberRange& range) { return value >= range.least && value <= range.most; }
+
+}  // namespace
+
+TomlTable::TomlTable(const toml::table& table, std::string path, std::string file,
+                     std::initializer_list<std::string_view> known_keys)
+    : table_(&table), path_(std::move(path)), file_(std::move(file)) {
+  for (const auto& [key, node] : table) {
+    if (std::find(known_keys.begin(), known_keys.end(), key.str()) != known_keys.end()) continue;
+    refuse(key.str(), fmt::format("a known key; did you mean {}?", nearest(key.str(), known_keys)));
+  }
+}
+
+double TomlTable::number(std::string_view key, const NumberRange& range) const {
+  if (const auto value = optional_number(key, range)) return *value;
+  refuse(key, range.expectation);
+}
+
+double TomlTable::number(std::string_view key, const NumberRange& range, double fallback) const {
+  return optional_number(key, range).value_or(fallback);
+}
+
+std::optional<double> TomlTable::optional_number(std::string_view key, const NumberRange& range) const {
+  const toml::node* node = table_->get(key);
+  if (node == nullptr) return std::nullopt;
+  const auto value = node->is_number() ? node->value<double>() : std::nullopt;
+  if (!value || !in_range(*value, range)) refuse(key, range.expectation);
+  return value;
+}
+
+int TomlTable::integer(std::string_view key, const NumberRange& range, int fallback) const {
+  const toml::node* node = table_->get(key);
+  if (node == nullptr) return fallback;
+  if (!node->is_integer() || !in_range(node->value<double>().value_or(std::nan("")), range)) {
+    refuse(key, range.expectation);
+  }
+  return static_cast<int>(node->value<std::int64_t>().value_or(fallback));
+}
+
+void TomlTable::read_numbers(std::string_view key, const NumberRange& each, double* values, std::size_t count) const {
+  const toml::array* array = table_->get_as<toml::array>(key);
+  bool good = array != nullptr && array->size() == count;
+  for (std::size_t i = 0; good && i < count; ++i) {
+    const toml::node& node = *array->get(i);
+    values[i] = node.is_number() ? node.value<double>().value_or(std::nan("")) : std::nan("");
+    good = in_range(values[i], each);
+  }
+  if (!good) refuse(key, fmt::format("[{} numbers], each {}", count, each.expectation));
+}
+
+std::string TomlTable::text(std::string_view key) const {
+  const auto* value = table_->get_as<std::string>(key);
+  if (value == nullptr || value->get().empty()) refuse(key, "a text in quotes, not empty");
+  return value->get();
+}
+
+std::string TomlTable::text(std::string_view key, std::string_view fallback) const {
+  return has(key) ? text(key) : std::string(fallback);
+}
+
+std::vector<std::string> TomlTable::texts(std::string_view key) const {
+  std::vector<std::string> values;
+  if (!has(key)) return values;
+  constexpr std::string_view kExpectation = "an array of texts, such as [\"a\", \"b\"]";
+  const toml::array* array = table_->get_as<toml::array>(key);
+  if (array == nullptr) refuse(key, kExpectation);
+  for (const toml::node& node : *array) {
+    const auto* value = node.as_string();
+    if (value == nullptr || value->get().empty()) refuse(key, kExpectation);
+    values.push_back(value->get());
+  }
+  return values;
+}
+
+bool TomlTable::flag(std::string_view key, bool fallback) const {
+  if (!has(key)) return fallback;
+  const auto* value = table_->get_as<bool>(key);
+  if (value == nullptr) refuse(key, "true or false");
+  return value->get();
+}
+
+bool TomlTable::is_text(std::string_view key, std::string_view text) const {
+  const auto* value = table_->get_as<std::string>(key);
+  return value != nullptr && value->get() == text;
+}
+
+void TomlTable::refuse_choice(std::string_view key, const std::vector<std::string_view>& names) const {
+  refuse(key, fmt::format("one of '{}'", fmt::join(names, "', '")));
+}
+
+std::optional<TomlTable> TomlTable::table(std::string_view key,
+                                          std::initializer_list<std::string_view> known_keys) const {
+  if (!has(key)) return std::nullopt;
+  const toml::table* found = table_->get_as<toml::table>(key);
+  if (found == nullptr) refuse(key, fmt::format("a table [{}]", dotted(key)));
+  return TomlTable(*found, dotted(key), file_, known_keys);
+}
+
+std::vector<TomlTable> TomlTable::tables(std::string_view key,
+                                         std::initializer_list<std::string_view> known_keys) const {
+  std::vector<TomlTable> found;
+  if (!has(key)) return found;
+  const toml::array* array = table_->get_as<toml::array>(key);
+  const bool good = array != nullptr &&
+                    std::all_of(array->begin(), array->end(), [](const toml::node& node) { return node.is_table(); });
+  if (!good) refuse(key, fmt::format("tables [[{}]]", dotted(key)));
+  for (const toml::node& node : *array) found.emplace_back(*node.as_table(), dotted(key), file_, known_keys);
+  return found;
+}
+
+std::string TomlTable::dotted(std::string_view key) const {
+  return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
+}
+
+std::string TomlTable::describe(std::string_view key) const {
+  const toml::node* node = table_->get(key);
+  const auto line = (node != nullptr ? node->source() : table_->source()).begin.line;
+  return fmt::format("{}:{}: {} = {}", file_, std::max<std::uint32_t>(line, 1), printable(dotted(key)),
+                     printable(show(node)));
+}
+
+void TomlTable::refuse(std::string_view key, std::string_view expectation) const {
+  throw InputError(fmt::format("{}: expected {}", describe(key), expectation));
+}
+
+}  // namespace palpate

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <palpate/math/errors.hpp>
+#include <palpate/observer/options.hpp>
+
+namespace palpate {
+namespace {
+
+template <typename Change>
+std::string error_after(const Change& change) {
+  ObserverOptions options;
+  change(options);
+  try {
+    options.validate();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(ObserverOptions, DefaultsAreValid) {
+  EXPECT_EQ(error_after([](ObserverOptions&) {}), "no error");
+}
+
+TEST(ObserverOptions, ValidateNamesFieldValueAndRange) {
+  EXPECT_EQ(error_after([](ObserverOptions& o) { o.force_rate_N_per_sqrt_s = 0.0; }),
+            "observer options: force_rate_N_per_sqrt_s = 0: expected more than 0, at most 100");
+  EXPECT_EQ(error_after([](ObserverOptions& o) { o.initial_force_sigma_N = std::nan(""); }),
+            "observer options: initial_force_sigma_N = nan: expected more than 0, at most 1000");
+  EXPECT_EQ(error_after([](ObserverOptions& o) { o.max_iterations = 0; }),
+            "observer options: max_iterations = 0: expected 1..100");
+  EXPECT_EQ(error_after([](ObserverOptions& o) { o.adaptation_window = 1001; }),
+            "observer options: adaptation_window = 1001: expected 5..1000");
+  EXPECT_EQ(error_after([](ObserverOptions& o) { o.outlier_probability = 0.2; }),
+            "observer options: outlier_probability = 0.2: expected more than 0, at most 0.1");
+}
+
+}  // namespace
+}  // namespace palpate
