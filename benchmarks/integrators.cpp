@@ -116,19 +116,17 @@ Vector3d commutator_free_4(const Case& c, int steps) {
     const Pose half = exp_se3(0.5 * k1);
     const Twist k2 = rate(T * half), k3 = rate(T * exp_se3(0.5 * k2));
     const Twist k4 = rate(T * half * exp_se3(k3 - 0.5 * k1));
-    return exp_se3((3.0 * k1 + 2.0 * k2 + 2.0 * k3 - k4) / 12.0) * exp_se3((-k1 + 2.0 * k2 + 2.0 * k3 + 3.0 * k4) / 12.0);
+    return exp_se3((3.0 * k1 + 2.0 * k2 + 2.0 * k3 - k4) / 12.0) *
+           exp_se3((-k1 + 2.0 * k2 + 2.0 * k3 + 3.0 * k4) / 12.0);
   });
 }
 
 const std::vector<Method>& methods() {
   static const std::vector<Method> all{
       {"Dormand-Prince 8", 12, on_quaternion<kDormandPrince8>},  // the chosen one: first, so drawn boldest
-      {"Runge-Kutta 4", 4, on_quaternion<kRungeKutta4>},
-      {"Butcher 6", 7, on_quaternion<kButcher6>},
-      {"Cooper-Verner 8", 11, on_quaternion<kCooperVerner8>},
-      {"CF4 on SE(3)", 4, commutator_free_4},
-      {"RKMK 4 on SE(3)", 4, munthe_kaas<kRungeKutta4>},
-      {"RKMK 6 on SE(3)", 7, munthe_kaas<kButcher6>},
+      {"Runge-Kutta 4", 4, on_quaternion<kRungeKutta4>},        {"Butcher 6", 7, on_quaternion<kButcher6>},
+      {"Cooper-Verner 8", 11, on_quaternion<kCooperVerner8>},   {"CF4 on SE(3)", 4, commutator_free_4},
+      {"RKMK 4 on SE(3)", 4, munthe_kaas<kRungeKutta4>},        {"RKMK 6 on SE(3)", 7, munthe_kaas<kButcher6>},
       {"RKMK 8 on SE(3)", 12, munthe_kaas<kDormandPrince8>},
   };
   return all;
@@ -196,7 +194,8 @@ std::vector<Row> measure(const std::vector<Case>& cases) {
   constexpr int kMostEvaluations = 1200;
   std::vector<Row> rows;
   for (const Method& method : methods())
-    for (const int steps : {1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 300}) {
+    for (const int steps :
+         {1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 300}) {
       if (steps * method.stages > kMostEvaluations) continue;
       std::vector<double> errors;
       for (const Case& c : cases) errors.push_back(error_of(c, method.solve(c, steps)));
@@ -210,8 +209,8 @@ std::vector<Row> measure(const std::vector<Case>& cases) {
 std::string work_table(const std::vector<Row>& rows) {
   std::string csv = "method,steps,evaluations,median_error_per_length,worst_error_per_length,microseconds\n";
   for (const Row& r : rows)
-    csv += fmt::format("{},{},{},{:.3e},{:.3e},{:.3f}\n", r.method, r.steps, r.evaluations, r.median_error, r.worst_error,
-                       r.microseconds);
+    csv += fmt::format("{},{},{},{:.3e},{:.3e},{:.3f}\n", r.method, r.steps, r.evaluations, r.median_error,
+                       r.worst_error, r.microseconds);
   return csv;
 }
 
@@ -219,13 +218,15 @@ std::string work_table(const std::vector<Row>& rows) {
 int steps_by_rule(const Case& c, double angle) {
   const Parameters<double, 0>& p = c.parameters;
   const double compliance = p.compliance.maxCoeff();
-  const double bound = p.free_curvature.norm() + compliance * p.moment.norm() + 2.0 * std::sqrt(compliance * p.force.norm());
+  const double bound =
+      p.free_curvature.norm() + compliance * p.moment.norm() + 2.0 * std::sqrt(compliance * p.force.norm());
   return std::max(1, static_cast<int>(std::ceil(c.length_m * bound / angle)));
 }
 
 std::string step_rule_table(const std::vector<Case>& reference, const std::vector<Case>& catheters) {
   std::string csv =
-      "angle_rad,mean_steps_catheter,median_error_catheter,worst_error_catheter,mean_steps_reference,worst_error_reference\n";
+      "angle_rad,mean_steps_catheter,median_error_catheter,worst_error_catheter,mean_steps_reference,worst_error_"
+      "reference\n";
   for (const double angle : {2.0, 1.6, 1.4, 1.3, 1.25, 1.2, 1.1, 1.0, 0.9, 0.8, 0.7, 0.65, 0.6, 0.5}) {
     const auto run = [angle](const std::vector<Case>& cases) {
       double steps = 0.0;
@@ -240,7 +241,8 @@ std::string step_rule_table(const std::vector<Case>& reference, const std::vecto
     };
     const auto [steps, median, worst] = run(catheters);
     const auto [reference_steps, reference_median, reference_worst] = run(reference);
-    csv += fmt::format("{},{:.2f},{:.2e},{:.2e},{:.2f},{:.2e}\n", angle, steps, median, worst, reference_steps, reference_worst);
+    csv += fmt::format("{},{:.2f},{:.2e},{:.2e},{:.2f},{:.2e}\n", angle, steps, median, worst, reference_steps,
+                       reference_worst);
   }
   return csv;
 }
@@ -249,7 +251,8 @@ std::string step_rule_table(const std::vector<Case>& reference, const std::vecto
 double shown(double error) { return error < 1.0 ? error : std::numeric_limits<double>::quiet_NaN(); }
 
 plot::Figure picture(const std::vector<Row>& rows) {
-  plot::Figure figure{.title = "Tip position of 40 rods: error against work", .panels = {}, .width_px = 900, .height_px = 1300};
+  plot::Figure figure{
+      .title = "Tip position of 40 rods: error against work", .panels = {}, .width_px = 900, .height_px = 1300};
   const auto panel = [&](const char* title, const char* x_label, const char* y_label, const auto& x, const auto& y) {
     plot::Panel p{.title = title, .x_label = x_label, .y_label = y_label, .log_x = true, .log_y = true};
     for (const Method& method : methods()) {
@@ -262,9 +265,11 @@ plot::Figure picture(const std::vector<Row>& rows) {
   };
   const auto evaluations = [](const Row& r) { return static_cast<double>(r.evaluations); };
   panel("worst", "field evaluations", "error / length", evaluations, [](const Row& r) { return shown(r.worst_error); });
-  panel("median", "field evaluations", "error / length", evaluations, [](const Row& r) { return shown(r.median_error); });
-  panel("worst, by time", "time of one solution [us]", "error / length", [](const Row& r) { return r.microseconds; },
-        [](const Row& r) { return shown(r.worst_error); });
+  panel("median", "field evaluations", "error / length", evaluations,
+        [](const Row& r) { return shown(r.median_error); });
+  panel(
+      "worst, by time", "time of one solution [us]", "error / length", [](const Row& r) { return r.microseconds; },
+      [](const Row& r) { return shown(r.worst_error); });
   return figure;
 }
 

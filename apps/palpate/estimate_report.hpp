@@ -23,14 +23,18 @@ class EstimateReport {
   void print(const Catheter& catheter, const ObserverOptions& options, const std::string& out, bool json);
 
  private:
-  void print_text(const RunSummary& summary, const ObserverOptions& options, const std::string& out) const;
-  void print_json(const RunSummary& summary, const Catheter& catheter, const ObserverOptions& options, const std::string& out) const;
+  void print_counts(const RunSummary& summary) const;
+  void print_tare() const;
+  void print_figures(const RunSummary& summary) const;
+  void print_json(const RunSummary& summary, const Catheter& catheter, const ObserverOptions& options,
+                  const std::string& out) const;
 
   const TrackerRecording& recording_;
   std::optional<Tare> tare_;
   RunSummaryBuilder summary_;
   std::vector<double> times_s_;
   std::vector<Vector3d> force_N_, sigma_N_;
+  std::vector<bool> updated_;  ///< false: the force is a prediction
 };
 
 }  // namespace palpate::app

@@ -29,8 +29,8 @@ Vector3d read_bound(const std::string& path, const std::string& recording) {
   if (!bounds.is_object()) throw InputError(fmt::format("{}: expected a JSON object", path));
   const auto entry = bounds.find(recording);
   if (entry == bounds.end())
-    throw InputError(fmt::format("{}: no entry \"{}\": expected the name of a recording in this file (--recording)", path,
-                                 recording));
+    throw InputError(fmt::format("{}: no entry \"{}\": expected the name of a recording in this file (--recording)",
+                                 path, recording));
   const auto bound = entry->find("rms_bound_tip_frame_N");
   if (bound == entry->end() || !bound->is_array() || bound->size() != 3)
     throw InputError(fmt::format("{}: {}: expected \"rms_bound_tip_frame_N\" with three numbers", path, recording));
@@ -64,7 +64,8 @@ void print_row(const char* what, const Vector3d& v, const char* unit, double sca
 void print_table(const Evaluation& e, const std::optional<Vector3d>& bound) {
   fmt::print("{} frames judged ({} updated, {} held); error = estimate - truth, tip components\n", e.frames, e.updated,
              e.frames - e.updated);
-  if (e.outside_truth > 0) fmt::print("{} frames lie outside the truth's time span and were left out\n", e.outside_truth);
+  if (e.outside_truth > 0)
+    fmt::print("{} frames lie outside the truth's time span and were left out\n", e.outside_truth);
   fmt::print("  {:<24}{:>12}{:>12}{:>12}\n", "", "Fx (d1)", "Fy (d2)", "Fz (d3)");
   print_row("mean error", e.mean_N, "mN", 1e3);
   print_row("sigma of error", e.sigma_N, "mN", 1e3);

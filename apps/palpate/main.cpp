@@ -1,17 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <palpate/math/errors.hpp>
 
+#include "usage_error.hpp"
 #include "verbs.hpp"
+
+namespace {
+
+/// One line that says what is wrong, one where to read on.
+int refuse_usage(const CLI::App& app, const CLI::ParseError& error, std::span<const char* const> arguments) {
+  const auto verbs = app.get_subcommands();
+  fmt::print(stderr, "palpate: {}\n", palpate::app::explain_unknown_word(app, arguments).value_or(error.what()));
+  fmt::print(stderr, "Run palpate {}--help for what is possible.\n", verbs.empty() ? "" : verbs[0]->get_name() + " ");
+  return 2;
+}
+
+}  // namespace
 
 /// Exit codes: 0 done, 1 ran and the answer is "no", 2 bad input.
 int main(int argc, char** argv) {
-  CLI::App app{"Palpate feels the force on a catheter's tip through its shape. Research software: not for clinical use."};
+  CLI::App app{
+      "Palpate feels the force on a catheter's tip through its shape. Research software: not for clinical use."};
   app.name("palpate");
   app.set_version_flag("--version", "palpate " PALPATE_VERSION);
   app.require_subcommand(1);
+  app.footer(
+      "Example: palpate estimate --catheter catheter.toml run.tracker.csv --out run.estimate.csv\n"
+      "Each command has its own --help.");
   int exit_code = 0;
   palpate::app::add_estimate(app, exit_code);
   palpate::app::add_evaluate(app, exit_code);
@@ -20,13 +39,12 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& success) {
     return app.exit(success);  // --help, --version
   } catch (const CLI::ParseError& error) {
-    std::fprintf(stderr, "palpate: %s\nRun palpate --help for the commands and their options.\n", error.what());
-    return 2;
+    return refuse_usage(app, error, {argv + 1, argv + argc});
   } catch (const palpate::InputError& error) {
-    std::fprintf(stderr, "palpate: %s\n", error.what());
+    fmt::print(stderr, "palpate: {}\n", error.what());
     return 2;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "palpate: unexpected failure: %s\n", error.what());
+    fmt::print(stderr, "palpate: unexpected failure: {}\n", error.what());
     return 2;
   }
   return exit_code;

@@ -42,6 +42,7 @@ struct Update {
   double residual_chi_square = 0.0;  ///< the measurement's share of it: r^T R^-1 r, post-fit
   int rows = 0;
   int evaluations = 0;               ///< of the model
+  ResidualVector innovation;         ///< residual where the search began: at the prior mean, unless told otherwise
   Linearization at;                  ///< at the posterior mean, but for a last step below the tolerance
 };
 
@@ -86,11 +87,11 @@ class WhitenedUpdate {
     G_ = point.at.jacobian;
     noise_factor_.matrixL().solveInPlace(G_);
     const StateMatrix L = prior_factor_.matrixL();
-    G_ = (G_ * L).eval();
-    information_.noalias() = G_.transpose() * G_;
+    G_ = G_.lazyProduct(L).eval();  // lazy products: the matrices are small
+    information_ = G_.transpose().lazyProduct(G_);
     information_.diagonal().array() += 1.0;
     information_factor_.compute(information_);
-    const StateVector gradient = G_.transpose() * point.whitened - point.z;
+    const StateVector gradient = G_.transpose().lazyProduct(point.whitened) - point.z;
     return information_factor_.solve(gradient);
   }
 
@@ -102,9 +103,10 @@ class WhitenedUpdate {
     const Eigen::Index n = prior_.mean.size();
     const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxStates, kMaxResiduals> K =
         information_factor_.solve(G_.transpose());
-    const StateMatrix I_KG = StateMatrix::Identity(n, n) - K * G_;
+    const StateMatrix I_KG = StateMatrix::Identity(n, n) - K.lazyProduct(G_);
     const StateMatrix L = prior_factor_.matrixL();
-    const StateMatrix P = L * (I_KG * I_KG.transpose() + K * K.transpose()) * L.transpose();
+    const StateMatrix inner = I_KG.lazyProduct(I_KG.transpose()) + K.lazyProduct(K.transpose());
+    const StateMatrix P = L.lazyProduct(inner).eval().lazyProduct(L.transpose());
     return 0.5 * (P + P.transpose());
   }
 
@@ -152,6 +154,7 @@ void iterated_update(Model& model, const Gaussian& prior, const StateVector& sta
   if (!usable) return;
 
   out.status = UpdateStatus::kNotConverged;
+  out.innovation = point.at.residual;
   StateVector dz = whitened.step(point);
   const double tolerance = options.step_tolerance * options.step_tolerance;
   for (int i = 0; i < options.max_iterations && whitened.squared_sigmas(dz) > tolerance; ++i) {
@@ -183,6 +186,7 @@ void extended_update(Model& model, const Gaussian& prior, Update& out) {
   out.evaluations = whitened.evaluations;
   if (!usable) return;
 
+  out.innovation = point.at.residual;
   const StateVector dz = whitened.step(point);
   out.posterior.mean = whitened.state(dz);
   out.posterior.covariance = whitened.covariance();

@@ -77,7 +77,7 @@ class UnloadedModel {
       const Sensor& s = catheter_.sensors[i];
       const int rows = rows_of(s.kind);
       const auto variance = [&](double white, double bias) { return white * white / entry.count + bias * bias / 3.0; };
-      R.diagonal().segment(row, 3).setConstant(variance(s.noise_m, s.bias_m));
+      for (int axis = 0; axis < 3; ++axis) R(row + axis, row + axis) = variance(s.noise_m(axis), s.bias_m);
       R.diagonal().segment(row + 3, rows - 3).setConstant(variance(s.noise_rad, s.bias_rad));
       row += rows;
     }

@@ -36,6 +36,7 @@ struct Estimate {
   int sensors_used = 0;
   double nis = 0.0;                               ///< normalised innovation squared, at the posterior's optimum
   int dof = 0;                                    ///< its degrees of freedom; 0 where nothing was used
+  ResidualVector innovation;                      ///< y (-) h(prediction): rows as sensing/sensor_model.hpp; empty if unused
   int evaluations = 0;                            ///< integrations of the rod
   ConvergenceIndex convergence;                   ///< where ObserverOptions asks for it
   std::array<Rejection, kMaxSensors + 1> rejections{};  ///< of each reading; the base sensor's last

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <bit>
+#include <cmath>
+#include <limits>
 #include <palpate/observer/force_observer.hpp>
 
 namespace palpate {
@@ -18,8 +20,16 @@ Estimate ForceObserver::update(const TrackerFrame& frame) {
   return report(frame.time_s, step.verdict, status);
 }
 
-/// P <- P + q^2 dt I: the mean of a random walk stays.
+/// Random walk: the mean stays, P <- P + q^2 dt I. Gauss-Markov, stationary at N(0, sigma^2 I):
+/// F <- a F, P <- a^2 P + sigma^2 (1 - a^2) I, a = exp(-dt / memory).
 void ForceObserver::predict(double dt_s) {
+  if (options_.force_model == ForceModel::kGaussMarkov) {
+    const double a = std::exp(-dt_s / options_.force_memory_s), sigma = options_.initial_force_sigma_N;
+    state_.mean *= a;
+    state_.covariance *= a * a;
+    state_.covariance.diagonal().array() += sigma * sigma * (1.0 - a * a);
+    return;
+  }
   const double q = options_.force_rate_N_per_sqrt_s;
   state_.covariance.diagonal().array() += q * q * dt_s;
 }
@@ -114,6 +124,7 @@ Estimate ForceObserver::report(double time_s, FrameTime time, EstimateStatus sta
   if (used_ == 0) return out;
   out.used = used_;
   out.sensors_used = std::popcount(used_);
+  out.innovation = update_.innovation;
   out.nis = update_.chi_square;
   out.dof = update_.rows;
   out.convergence = convergence_;

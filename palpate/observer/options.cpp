@@ -17,6 +17,7 @@ void require(bool good, const char* field, double value, const char* range) {
 void ObserverOptions::validate() const {
   require(force_rate_N_per_sqrt_s > 0.0 && force_rate_N_per_sqrt_s <= 100.0, "force_rate_N_per_sqrt_s",
           force_rate_N_per_sqrt_s, "more than 0, at most 100");
+  require(force_memory_s >= 1e-3 && force_memory_s <= 1e4, "force_memory_s", force_memory_s, "0.001..10000");
   require(initial_force_sigma_N > 0.0 && initial_force_sigma_N <= 1000.0, "initial_force_sigma_N",
           initial_force_sigma_N, "more than 0, at most 1000");
   require(max_iterations >= 1 && max_iterations <= 100, "max_iterations", max_iterations, "1..100");

@@ -80,20 +80,23 @@ void read_choices(const TomlTable& table, ObserverOptions& options, std::vector<
       options.measurement);
   options.force_model = table.choice<ForceModel>("force_model",
                                                  {{"random_walk", ForceModel::kRandomWalk},
+                                                  {"gauss_markov", ForceModel::kGaussMarkov},
                                                   {"constant_velocity", ForceModel::kConstantVelocity},
                                                   {"rhythm", ForceModel::kRhythm}},
                                                  options.force_model);
-  warn_not_acted_on(table, "force_model", options.force_model != ForceModel::kRandomWalk, "random_walk is used",
+  warn_not_acted_on(table, "force_model", options.force_model > ForceModel::kGaussMarkov, "random_walk is used",
                     warnings);
 }
 
 void read_estimator(const TomlTable& root, ObserverOptions& options, std::vector<std::string>& warnings) {
   const auto table =
-      root.table("estimator", {"method", "measurement", "state", "force_model", "force_rate_N_per_sqrt_s",
+      root.table("estimator", {"method", "measurement", "state", "force_model", "force_rate_N_per_sqrt_s", "force_memory_s",
                                "initial_force_sigma_N", "max_iterations", "adaptation_window", "outlier_probability"});
   if (!table) return;
   read_choices(*table, options, warnings);
   read_state(*table, options, warnings);
+  options.force_memory_s =
+      table->number("force_memory_s", {1e-3, 1e4, "seconds, 0.001..10000"}, options.force_memory_s);
   options.force_rate_N_per_sqrt_s =
       table->number("force_rate_N_per_sqrt_s", {1e-12, 100.0, "N/sqrt(s), more than 0, at most 100"},
                     options.force_rate_N_per_sqrt_s);

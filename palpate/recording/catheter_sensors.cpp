@@ -34,6 +34,16 @@ Vector3d read_position(const TomlTable& table, std::string_view key, const Numbe
   return table.optional_vector<3>(key, each).value_or(Vector3d::Zero()) * kMetresPerMillimetre;
 }
 
+/// noise_mm, alike along all axes, or noise_axes_mm, one for each base axis.
+Vector3d read_position_noise(const TomlTable& table, const Vector3d& fallback_m) {
+  if (const auto axes = table.optional_vector<3>("noise_axes_mm", kNoise_mm)) {
+    if (table.has("noise_mm")) table.refuse("noise_axes_mm", "either noise_mm or noise_axes_mm");
+    return *axes * kMetresPerMillimetre;
+  }
+  const double alike_mm = table.number("noise_mm", kNoise_mm, fallback_m.x() * kMillimetresPerMetre);
+  return Vector3d::Constant(alike_mm * kMetresPerMillimetre);
+}
+
 /// What [[sensor]] and a base sensor described in [base] have in common.
 Sensor read_properties(const TomlTable& table, std::string name, std::vector<std::string>& warnings) {
   Sensor sensor;
@@ -41,7 +51,7 @@ Sensor read_properties(const TomlTable& table, std::string name, std::vector<std
   sensor.T_local_sensor.R = read_rotation(table, "mount_quaternion_wxyz");
   sensor.T_local_sensor.p = read_position(table, "mount_position_mm", kMountPosition);
   sensor.mount_sigma_m = table.number("mount_sigma_mm", kSigma_mm, 0.0) * kMetresPerMillimetre;
-  sensor.noise_m = table.number("noise_mm", kNoise_mm, sensor.noise_m * kMillimetresPerMetre) * kMetresPerMillimetre;
+  sensor.noise_m = read_position_noise(table, sensor.noise_m);
   sensor.noise_rad = table.number("noise_deg", kNoise_deg, sensor.noise_rad / kRadiansPerDegree) * kRadiansPerDegree;
   sensor.bias_m = table.number("bias_mm", kSigma_mm, 0.0) * kMetresPerMillimetre;
   sensor.bias_rad = table.number("bias_deg", kSigma_deg, 0.0) * kRadiansPerDegree;
@@ -93,6 +103,7 @@ constexpr std::string_view kBaseSensorKeys[] = {"mount_quaternion_wxyz",
                                                 "mount_position_mm",
                                                 "mount_sigma_mm",
                                                 "noise_mm",
+                                                "noise_axes_mm",
                                                 "noise_deg",
                                                 "bias_mm",
                                                 "bias_deg",
@@ -107,7 +118,7 @@ void refuse_base_sensor_keys(const TomlTable& base, std::string_view expectation
 TomlTable find_base(const TomlTable& root) {
   const auto base = root.table("base", {"quaternion_wxyz", "position_mm", "position_sigma_mm", "rotation_sigma_deg",
                                         "sensor", "mount_quaternion_wxyz", "mount_position_mm", "mount_sigma_mm",
-                                        "noise_mm", "noise_deg", "bias_mm", "bias_deg", "markers"});
+                                        "noise_mm", "noise_axes_mm", "noise_deg", "bias_mm", "bias_deg", "markers"});
   if (!base) root.refuse("base", "a table [base] with quaternion_wxyz and position_mm, or with sensor");
   return *base;
 }
@@ -152,7 +163,7 @@ void read_sensors(const TomlTable& root, Catheter& catheter, std::vector<std::st
   std::vector<std::string> names;
   for (const TomlTable& table :
        root.tables("sensor", {"name", "kind", "arc_length_mm", "mount_quaternion_wxyz", "mount_position_mm",
-                              "mount_sigma_mm", "noise_mm", "noise_deg", "bias_mm", "bias_deg", "markers"})) {
+                              "mount_sigma_mm", "noise_mm", "noise_axes_mm", "noise_deg", "bias_mm", "bias_deg", "markers"})) {
     place_sensor(table, read_sensor(table, catheter.base.sensor.name, end_mm, warnings), catheter, names);
   }
   if (catheter.sensors.empty()) root.refuse("sensor", "at least one [[sensor]] on the shaft");

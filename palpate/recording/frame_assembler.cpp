@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
 #include <palpate/math/units.hpp>
 #include <palpate/recording/frame_assembler.hpp>
+#include <palpate/recording/text_table.hpp>
 #include <utility>
 
 namespace palpate {
@@ -33,7 +36,10 @@ bool FrameAssembler::has(std::size_t frame, std::size_t sensor) const {
 
 void FrameAssembler::put(std::size_t frame, std::size_t sensor, const SensorReading& reading) {
   if (has(frame, sensor)) {
-    ++recording_.duplicate_rows;
+    const TrackerFrame& again = recording_.frames[frame];
+    if (recording_.duplicate_rows++ == 0)
+      recording_.first_duplicate = fmt::format("frame {} at {} s: sensor \"{}\": a second row", again.number,
+                                               again.time_s, printable(recording_.sensor_names[sensor]));
     return;
   }
   auto& readings = recording_.frames[frame].readings;

@@ -47,7 +47,9 @@ std::string only_recording(const std::filesystem::path& folder) {
   const auto recordings = list_coils(folder);
   if (recordings.size() == 1) return recordings.begin()->first;
   if (recordings.empty()) {
-    throw InputError(fmt::format("{}: expected files named cathcoords-coil<K>-<REC>.txt, found none", folder.string()));
+    throw InputError(fmt::format(
+        "{}: is a folder: expected the file of a recording, or MR coil text named cathcoords-coil<K>-<REC>.txt in it",
+        folder.string()));
   }
   std::vector<std::string> names;
   for (const auto& [name, coils] : recordings) names.push_back(name);

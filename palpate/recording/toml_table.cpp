@@ -4,35 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <palpate/math/errors.hpp>
+#include <palpate/recording/nearest_name.hpp>
 #include <palpate/recording/text_table.hpp>
 #include <palpate/recording/toml_table.hpp>
 
 namespace palpate {
 namespace {
-
-/// Levenshtein: insertions, deletions and substitutions that turn one into the other.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
-    }
-  }
-  return row.back();
-}
-
-std::string nearest(std::string_view key, std::initializer_list<std::string_view> known) {
-  return std::string(*std::min_element(known.begin(), known.end(), [&](std::string_view a, std::string_view b) {
-    return edit_distance(key, a) < edit_distance(key, b);
-  }));
-}
 
 /// As TOML would write it, numbers with as few digits as say which they are.
 std::string show(const toml::node* node) {
@@ -57,7 +35,7 @@ TomlTable::TomlTable(const toml::table& table, std::string path, std::string fil
     : table_(&table), path_(std::move(path)), file_(std::move(file)) {
   for (const auto& [key, node] : table) {
     if (std::find(known_keys.begin(), known_keys.end(), key.str()) != known_keys.end()) continue;
-    refuse(key.str(), fmt::format("a known key; did you mean {}?", nearest(key.str(), known_keys)));
+    refuse(key.str(), fmt::format("a known key; did you mean {}?", nearest_name(key.str(), known_keys)));
   }
 }
 
@@ -73,6 +51,7 @@ double TomlTable::number(std::string_view key, const NumberRange& range, double 
 std::optional<double> TomlTable::optional_number(std::string_view key, const NumberRange& range) const {
   const toml::node* node = table_->get(key);
   if (node == nullptr) return std::nullopt;
+  if (node->is_string()) refuse(key, fmt::format("{}, as a number without quotes", range.expectation));
   const auto value = node->is_number() ? node->value<double>() : std::nullopt;
   if (!value || !in_range(*value, range)) refuse(key, range.expectation);
   return value;

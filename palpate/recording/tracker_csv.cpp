@@ -33,12 +33,18 @@ struct Columns {
 
 double finite_or_nan(double value) { return std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN(); }
 
+/// A row without a quaternion is a point: what an optical tracker or an MR coil gives.
+bool is_point(const CsvReader& csv, const Columns& columns) {
+  return std::all_of(columns.pose.begin(), columns.pose.begin() + 4,
+                     [&](std::size_t column) { return csv.text(column).empty(); });
+}
+
 SensorReading read_pose(const CsvReader& csv, const Columns& columns) {
   const auto pose = [&](std::size_t i) { return finite_or_nan(csv.number(columns.pose[i])); };
   SensorReading reading;
   reading.status = SensorReading::Status::kOk;
-  reading.has_orientation = true;
-  reading.quaternion_wxyz = {pose(0), pose(1), pose(2), pose(3)};
+  reading.has_orientation = !is_point(csv, columns);
+  if (reading.has_orientation) reading.quaternion_wxyz = {pose(0), pose(1), pose(2), pose(3)};
   reading.position_m = position_from_millimetres(pose(4), pose(5), pose(6));
   if (columns.error && !csv.text(*columns.error).empty()) {
     reading.error_m = csv.number(*columns.error) * kMetresPerMillimetre;

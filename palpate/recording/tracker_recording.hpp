@@ -17,6 +17,7 @@ struct TrackerRecording {
   std::vector<std::size_t> sensor_lines;  ///< line where each sensor first occurs; 0: not known
   std::vector<TrackerFrame> frames;       ///< a sensor without a reading is kMissing
   std::size_t duplicate_rows = 0;         ///< further rows of the same frame and sensor; the first was kept
+  std::string first_duplicate;            ///< which that is, in words; empty without one
   std::vector<std::string> notes;         ///< one line each: what a user should know about the file
 };
 

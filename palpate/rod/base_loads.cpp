@@ -187,13 +187,14 @@ class Branch {
   int evaluations_ = 0;
 };
 
-/// Load factor between two points where the least stiffness passes zero. Nothing where it does not: then they lie on two
-/// branches. A real crossing is a place, up to the cube root of rounding; a bifurcation that an imperfection has torn
-/// apart leaves a gap.
+/// Load factor between two points where the least stiffness passes zero. Nothing where it does not: then they lie on
+/// two branches. A real crossing is a place, up to the cube root of rounding; a bifurcation that an imperfection has
+/// torn apart leaves a gap.
 std::optional<double> locate_loss_of_stability(Branch& branch, Branch::Point stable, Branch::Point unstable) {
   constexpr double kOnePlace_rad = 1e-3;
   for (int i = 0; i < 40 && unstable.factor - stable.factor > 1e-9; ++i) {
-    const double share = std::clamp(stable.least_stiffness / (stable.least_stiffness - unstable.least_stiffness), 0.1, 0.9);
+    const double share =
+        std::clamp(stable.least_stiffness / (stable.least_stiffness - unstable.least_stiffness), 0.1, 0.9);
     const double factor = stable.factor + share * (unstable.factor - stable.factor);
     Branch::Point point;
     if (!branch.correct(factor, stable.Q, point)) return std::nullopt;
@@ -218,6 +219,7 @@ double largest_step(const Rod& rod, const BaseLoad& load) {
 }  // namespace
 
 Equilibrium follow_from_rest(const RodSolver& solver, const BaseLoad& load) {
+  constexpr int kMostEvaluations = 20000;
   const double largest = largest_step(solver.rod(), load), least = 1e-4 * largest;
   Branch branch(solver, load);
   Branch::Point point;
@@ -232,9 +234,10 @@ Equilibrium follow_from_rest(const RodSolver& solver, const BaseLoad& load) {
   Equilibrium out;
   Matrix3d turn = Matrix3d::Identity();  // of the tip over the last step, per unit of load factor
   double step = largest, last_step = 0.0;
-  while (point.factor < 1.0 && step > least) {
+  while (point.factor < 1.0 && step > least && branch.evaluations() < kMostEvaluations) {
     const double factor = std::min(1.0, point.factor + step);
-    const Vector3d secant = last_step > 0.0 ? Vector3d(log_so3(turn) * ((factor - point.factor) / last_step)) : Vector3d::Zero();
+    const Vector3d secant =
+        last_step > 0.0 ? Vector3d(log_so3(turn) * ((factor - point.factor) / last_step)) : Vector3d::Zero();
     Branch::Point next;
     bool followed = branch.correct(factor, point.Q * exp_so3(secant), next);
     if (followed && out.critical_load_factor == 0.0 && next.least_stiffness <= 0.0) {

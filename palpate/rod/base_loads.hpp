@@ -46,7 +46,7 @@ struct BaseLoad {
 enum class EquilibriumStatus {
   kStable,
   kUnstable,       ///< an equilibrium, but the load path passed a bifurcation: a real rod has left this branch
-  kAtBifurcation,  ///< the branch from rest ends, or is about to lose stability, at `load_factor`
+  kAtBifurcation,  ///< the branch from rest ends, turns too sharply to be followed, or is about to lose stability, here
 };
 
 struct Equilibrium {
@@ -55,8 +55,8 @@ struct Equilibrium {
   double critical_load_factor = 0.0;  ///< where stability was lost; 0: nowhere on the way
   TipLoad load;                       ///< in tip components, at load_factor
   Pose T_base_tip;
-  /// Least eigenvalue of d moment_tip / d rotation_tip [N m/rad]: what holds the tip against turning. Positive all along
-  /// the path from rest: stable.
+  /// Least eigenvalue of d moment_tip / d rotation_tip [N m/rad]: what holds the tip against turning. Positive all
+  /// along the path from rest: stable.
   double least_tip_stiffness_Nm = 0.0;
   /// det(dF_base/dF_tip) for a pure tip force; 1 for the unloaded rod, 0 at a bifurcation.
   double determinant = 1.0;
@@ -64,8 +64,8 @@ struct Equilibrium {
 };
 
 /// Follows the equilibrium from zero to the full load by continuation with adaptive steps; the rod's distributed load
-/// grows along. Never jumps: a step that ends more than 0.05 rad from the extrapolated tip rotation is refused and halved, and
-/// so is one from a stable to an unstable place without a crossing between them. Allocates.
+/// grows along. Never jumps: a step that ends more than 0.05 rad from the extrapolated tip rotation is refused and
+/// halved, and so is one from a stable to an unstable place without a crossing between them. Allocates.
 Equilibrium follow_from_rest(const RodSolver& solver, const BaseLoad& load);
 
 }  // namespace palpate

@@ -33,11 +33,11 @@ using State = Eigen::Matrix<T, Full ? 10 : 7, N + 1, (N > 0 ? Eigen::RowMajor : 
 /// What one section and one load give the field.
 template <class T, int N>
 struct Parameters {
-  Vec3<T> force, moment;          ///< F, M: tip components, at the flexible end
-  Vec3<T> distributed;            ///< g: uniform load, tip components
-  Vec3<T> compliance;             ///< diagonal of K^-1; zero in a rigid section
-  Vec3<T> free_curvature;         ///< u0 + K^-1 m_t
-  Vec3<T> shear_compliance;       ///< diagonal of Kse^-1; zero: no shear, no stretch
+  Vec3<T> force, moment;     ///< F, M: tip components, at the flexible end
+  Vec3<T> distributed;       ///< g: uniform load, tip components
+  Vec3<T> compliance;        ///< diagonal of K^-1; zero in a rigid section
+  Vec3<T> free_curvature;    ///< u0 + K^-1 m_t
+  Vec3<T> shear_compliance;  ///< diagonal of Kse^-1; zero: no shear, no stretch
   Cols<T, N> d_force, d_moment, d_distributed, d_log_stiffness, d_free_curvature;
 };
 
@@ -120,8 +120,8 @@ inline Section<T, N> section(const T& sigma, const State<T, N, Full>& y, const P
     Cols<T, N> d_m = transpose_times<T>(o.R, o.d_mu);
     d_m += rotated_tangent<T>(w, a, o.mu, d_w, d_a, T(-1));
     for (int i = 0; i < 3; ++i)
-      o.d_u.row(i) = p.d_free_curvature.row(i) + p.compliance(i) * d_m.row(i) -
-                     o.elastic_curvature(i) * p.d_log_stiffness.row(i);
+      o.d_u.row(i) =
+          p.d_free_curvature.row(i) + p.compliance(i) * d_m.row(i) - o.elastic_curvature(i) * p.d_log_stiffness.row(i);
     if constexpr (Full) {
       Cols<T, N> d_nb = transpose_times<T>(o.R, o.d_n);
       d_nb += rotated_tangent<T>(w, a, o.n, d_w, d_a, T(-1));
@@ -151,7 +151,8 @@ inline void derivative(const T& sigma, const State<T, N, Full>& y, const Paramet
     dy.template block<1, N>(0, 1) = T(0.5) * (o.u(0) * d_a.row(0) + o.u(1) * d_a.row(1) + o.u(2) * d_a.row(2) +
                                               a(0) * o.d_u.row(0) + a(1) * o.d_u.row(1) + a(2) * o.d_u.row(2));
     const Cols<T, N> turn = cross<T>(a, o.d_u) - cross<T>(o.u, d_a);
-    for (int i = 0; i < 3; ++i) dy.template block<1, N>(1 + i, 1) = T(-0.5) * (o.u(i) * d_w + w * o.d_u.row(i) + turn.row(i));
+    for (int i = 0; i < 3; ++i)
+      dy.template block<1, N>(1 + i, 1) = T(-0.5) * (o.u(i) * d_w + w * o.d_u.row(i) + turn.row(i));
     dy.template block<3, N>(4, 1) = -rotated_tangent<T>(w, a, v, d_w, d_a, T(1));
     if constexpr (Full) {
       dy.template block<3, N>(4, 1) -= transpose_times<T>(o.R.transpose(), o.d_shear);

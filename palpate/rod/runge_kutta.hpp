@@ -2,7 +2,7 @@
 #pragma once
 
 #include <array>
-#include <utility>
+#include <type_traits>
 
 namespace palpate {
 
@@ -20,6 +20,14 @@ struct Tableau {
     return sum;
   }
 };
+
+/// All c_i at once.
+template <int Stages>
+constexpr std::array<double, Stages> nodes(const Tableau<Stages>& method) {
+  std::array<double, Stages> c{};
+  for (int i = 0; i < Stages; ++i) c[i] = method.c(i);
+  return c;
+}
 
 /// Kutta 1901, order 4.
 inline constexpr Tableau<4> kRungeKutta4{
@@ -52,11 +60,17 @@ inline constexpr Tableau<11> kCooperVerner8 = [] {
   t.a[3] = {1.0 / 7, (-7 - 3 * w) / 98, (21 + 5 * w) / 49};
   t.a[4] = {(11 + w) / 84, 0, (18 + 4 * w) / 63, (21 - w) / 252};
   t.a[5] = {(5 + w) / 48, 0, (9 + w) / 36, (-231 + 14 * w) / 360, (63 - 7 * w) / 80};
-  t.a[6] = {(10 - w) / 42,           0, (-432 + 92 * w) / 315, (633 - 145 * w) / 90, (-504 + 115 * w) / 70,
-            (63 - 13 * w) / 35};
+  t.a[6] = {(10 - w) / 42, 0, (-432 + 92 * w) / 315, (633 - 145 * w) / 90, (-504 + 115 * w) / 70, (63 - 13 * w) / 35};
   t.a[7] = {1.0 / 14, 0, 0, 0, (14 - 3 * w) / 126, (13 - 3 * w) / 63, 1.0 / 9};
   t.a[8] = {1.0 / 32, 0, 0, 0, (91 - 21 * w) / 576, 11.0 / 72, (-385 - 75 * w) / 1152, (63 + 13 * w) / 128};
-  t.a[9] = {1.0 / 14,           0, 0, 0, 1.0 / 9, (-733 - 147 * w) / 2205, (515 + 111 * w) / 504, (-51 - 11 * w) / 56,
+  t.a[9] = {1.0 / 14,
+            0,
+            0,
+            0,
+            1.0 / 9,
+            (-733 - 147 * w) / 2205,
+            (515 + 111 * w) / 504,
+            (-51 - 11 * w) / 56,
             (132 + 28 * w) / 245};
   t.a[10] = {0,
              0,
@@ -84,7 +98,8 @@ inline constexpr Tableau<12> kDormandPrince8{
            {1.0 / 27, 0.0, 0.0, 1.70828608729473871279604482173e-1, 1.25467687566822425016691814123e-1},
            {19.0 / 512, 0.0, 0.0, 1.70252211019544039314978060272e-1, 6.02165389804559606850219397283e-2, -9.0 / 512},
            {3.70920001185047927108779319836e-2, 0.0, 0.0, 1.70383925712239993810214054705e-1,
-            1.07262030446373284651809199168e-1, -1.53194377486244017527936158236e-2, 8.27378916381402288758473766002e-3},
+            1.07262030446373284651809199168e-1, -1.53194377486244017527936158236e-2,
+            8.27378916381402288758473766002e-3},
            {6.24110958716075717114429577812e-1, 0.0, 0.0, -3.36089262944694129406857109825,
             -8.68219346841726006818189891453e-1, 2.75920996994467083049415600797e1, 2.01540675504778934086186788979e1,
             -4.34898841810699588477366255144e1},
@@ -103,33 +118,21 @@ inline constexpr Tableau<12> kDormandPrince8{
           -1.52160949662516078556178806805e-1, 2.01365400804030348374776537501e-1, 4.47106157277725905176885569043e-2},
 };
 
-/// One step of `method` on a vector-space state; `field(s, y, dy)` writes the derivative. Zero coefficients cost nothing.
+/// One step of `method` on a vector-space state; `field(s, y, dy)` writes the derivative. The stages are a loop, not
+/// unrolled code: the field is large, and twelve copies of it would neither run nor compile faster.
 template <const auto& method, class State, class Field>
 inline void runge_kutta_step(double s, double h, State& y, const Field& field) {
   constexpr int stages = std::decay_t<decltype(method)>::stages;
+  constexpr auto c = nodes(method);
   std::array<State, stages> k;
-  State stage;
-  [&]<std::size_t... I>(std::index_sequence<I...>) {
-    (
-        [&]<std::size_t i>() {
-          stage = y;
-          [&]<std::size_t... J>(std::index_sequence<J...>) {
-            (
-                [&]<std::size_t j>() {
-                  if constexpr (method.a[i][j] != 0.0) stage += (h * method.a[i][j]) * k[j];
-                }.template operator()<J>(),
-                ...);
-          }(std::make_index_sequence<i>{});
-          constexpr double c = method.c(i);
-          field(s + c * h, stage, k[i]);
-        }.template operator()<I>(),
-        ...);
-    (
-        [&]<std::size_t i>() {
-          if constexpr (method.b[i] != 0.0) y += (h * method.b[i]) * k[i];
-        }.template operator()<I>(),
-        ...);
-  }(std::make_index_sequence<stages>{});
+  for (int i = 0; i < stages; ++i) {
+    State stage = y;
+    for (int j = 0; j < i; ++j)
+      if (method.a[i][j] != 0.0) stage += (h * method.a[i][j]) * k[j];
+    field(s + c[i] * h, stage, k[i]);
+  }
+  for (int i = 0; i < stages; ++i)
+    if (method.b[i] != 0.0) y += (h * method.b[i]) * k[i];
 }
 
 }  // namespace palpate

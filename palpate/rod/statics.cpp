@@ -13,9 +13,18 @@ namespace palpate {
 
 namespace {
 
-// Measured by benchmarks/integrators: the largest angles that keep the promised accuracy, with a margin.
+// Measured by benchmarks/integrators: the largest angles that keep the promised accuracy, with a margin of two.
 constexpr double kRealtimeAngle = 1.25;
 constexpr double kReferenceAngle = 0.65;
+
+// Steps of one piece at most: enough for a thousand times the loads a catheter sees, and a bound on the time of a solve
+// whatever an estimator tries.
+constexpr int kMostSteps = 200;
+
+/// Also defined for loads that are not finite; the solution then is not either.
+int step_count(double steps) {
+  return steps < kMostSteps ? std::max(1, static_cast<int>(std::ceil(steps))) : kMostSteps;
+}
 
 std::vector<double> stops_from_tip(const Rod& rod, std::span<const double> arc_lengths_m) {
   const double length = rod.length_m();
@@ -112,7 +121,7 @@ void RodSolver::integrate(const TipLoad& load, const LoadDirections<N>& directio
   }
   for (const Piece& piece : pieces_) {
     const Parameters<double, N> p = section_parameters(rod_, rod_.sections[piece.section], load, directions);
-    const int steps = std::max(1, static_cast<int>(std::ceil(piece.length_m * steps_per_m)));
+    const int steps = step_count(piece.length_m * steps_per_m);
     integrate_piece<kDormandPrince8, Full>(piece.from_sigma_m, piece.length_m, steps, p, y);
     const double sigma = piece.from_sigma_m + piece.length_m;
     for (int k = piece.first_station; k < piece.end_station; ++k)
@@ -121,7 +130,7 @@ void RodSolver::integrate(const TipLoad& load, const LoadDirections<N>& directio
   to_base_frame<Full>(y, solution);
 }
 
-#define PALPATE_INSTANTIATE(N)                                     \
+#define PALPATE_INSTANTIATE(N)                                 \
   template RodSolution<N> RodSolver::make_solution<N>() const; \
   template void RodSolver::solve<N>(const TipLoad&, const LoadDirections<N>&, RodSolution<N>&) const;
 PALPATE_INSTANTIATE(0)

@@ -12,9 +12,9 @@ namespace palpate {
 
 /// What loads the rod, in components of the local frame at the flexible end (the tip frame).
 struct TipLoad {
-  Vector3d force_tip_N = Vector3d::Zero();         ///< of the tissue on the tip, at Rod::contact_offset_m
-  Vector3d moment_tip_Nm = Vector3d::Zero();       ///< free moment at the tip; a tendon's end moment goes here
-  Vector3d tendon_couple_Nm = Vector3d::Zero();    ///< constant in local components along the shaft
+  Vector3d force_tip_N = Vector3d::Zero();              ///< of the tissue on the tip, at Rod::contact_offset_m
+  Vector3d moment_tip_Nm = Vector3d::Zero();            ///< free moment at the tip; a tendon's end moment goes here
+  Vector3d tendon_couple_Nm = Vector3d::Zero();         ///< constant in local components along the shaft
   Vector3d distributed_tip_N_per_m = Vector3d::Zero();  ///< uniform load turned into the tip frame (base_loads.hpp)
 };
 
@@ -25,7 +25,7 @@ struct LoadDirections {
   Columns force_tip_N = Columns::Zero();
   Columns moment_tip_Nm = Columns::Zero();
   Columns tendon_couple_Nm = Columns::Zero();
-  Columns log_stiffness = Columns::Zero();  ///< of (EI1, EI2, GJ), all flexible sections scaled alike
+  Columns log_stiffness = Columns::Zero();       ///< of (EI1, EI2, GJ), all flexible sections scaled alike
   Columns precurvature_per_m = Columns::Zero();  ///< added to all flexible sections
   Columns distributed_tip_N_per_m = Columns::Zero();
 };
@@ -43,7 +43,7 @@ struct RodPoint {
 template <int N>
 struct RodPointTangent {
   using Columns = Eigen::Matrix<double, 3, N>;
-  Columns rotation = Columns::Zero();  ///< body side: delta R = R hat(rotation)
+  Columns rotation = Columns::Zero();    ///< body side: delta R = R hat(rotation)
   Columns position_m = Columns::Zero();  ///< base components
   Columns curvature_per_m = Columns::Zero();
   Columns shear_strain = Columns::Zero();
@@ -55,8 +55,8 @@ struct RodPointTangent {
 template <int N>
 struct RodSolution {
   std::vector<RodPoint> points;
-  std::vector<RodPointTangent<N>> tangents;  ///< empty for N = 0
-  Pose T_base_tip;                           ///< flexible end
+  std::vector<RodPointTangent<N>> tangents;                                        ///< empty for N = 0
+  Pose T_base_tip;                                                                 ///< flexible end
   Eigen::Matrix<double, 3, N> tip_rotation = Eigen::Matrix<double, 3, N>::Zero();  ///< its tangent, body side
 };
 
@@ -86,8 +86,9 @@ class RodSolver {
   /// Angle per step [rad] that bounds the error of one step; chosen from docs/theory/integrators.md.
   double angle_per_step() const { return angle_per_step_; }
 
-  /// Upper estimate of the largest curvature along the rod [1/m]: the step rule. With H = m.K^-1.m/2 + m.u0 + n.d3
-  /// constant along a uniform rod, |u| <= |u0| + |M|/EI + 2 sqrt(|F|/EI), EI the least of the stiffnesses.
+  /// Largest curvature to expect along the rod [1/m], for the step rule: |u0| + |M|/EI + 2 sqrt(|F|/EI), EI the least
+  /// of the stiffnesses. A bound for a uniform rod of equal stiffnesses, along which u.K.u / 2 + n.d3 is constant; an
+  /// estimate otherwise.
   double curvature_bound_per_m(const TipLoad& load) const;
 
   /// Piece of the rod between two stops, from the tip to the clamp.

@@ -37,7 +37,7 @@ void validate_pose(std::string_view parameter, const Pose& pose) {
 void validate_sensor(const Sensor& sensor, const std::string& name) {
   validate_pose(name + " mounting", sensor.T_local_sensor);
   require_sigma(name + " mount_sigma_m", sensor.mount_sigma_m);
-  require_positive(name + " noise_m", sensor.noise_m);
+  for (const double sigma : sensor.noise_m) require_positive(name + " noise_m", sigma);
   if (sensor.kind != SensorKind::kPosition) require_positive(name + " noise_rad", sensor.noise_rad);
   require_sigma(name + " bias_m", sensor.bias_m);
   require_sigma(name + " bias_rad", sensor.bias_rad);

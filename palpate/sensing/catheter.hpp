@@ -2,6 +2,7 @@
 #pragma once
 
 #include <palpate/math/pose.hpp>
+#include <palpate/math/units.hpp>
 #include <palpate/rod/rod.hpp>
 #include <string>
 #include <vector>
@@ -22,8 +23,8 @@ struct Sensor {
   double arc_length_m = 0.0;         ///< up to the flexible length plus the rigid tip; unused for the base sensor
   Pose T_local_sensor;               ///< mounting: sensor axes and origin in the local frame (d1, d2, d3)
   double mount_sigma_m = 0.0;        ///< of the mounting position, per axis
-  double noise_m = 0.28e-3;          ///< white noise of the position, per axis
-  double noise_rad = 0.17 * 0.017453292519943295;  ///< white noise of the orientation, per axis
+  Vector3d noise_m = Vector3d::Constant(0.28e-3);  ///< white noise of the position, along the base axes
+  double noise_rad = 0.17 * kRadiansPerDegree;      ///< white noise of the orientation, per axis
   double bias_m = 0.0;               ///< slowly varying accuracy error, rms in 3-D
   double bias_rad = 0.0;
   std::vector<std::string> markers;  ///< optical capture: midpoint (position) or triad (pose) of these

@@ -97,7 +97,7 @@ void ShapeModel::noise(ResidualMatrix& R) const {
   for (int k = 0; k < selected_count_; ++k) {
     const Sensor& sensor = catheter_.sensors[selected_[k].measured->sensor];
     const int first = selected_[k].first, turns = rows_of(sensor.kind) - 3;
-    R.diagonal().segment(first, 3).setConstant(sensor.noise_m * sensor.noise_m);
+    R.diagonal().segment<3>(first) = sensor.noise_m.cwiseAbs2();
     R.diagonal().segment(first + 3, turns).setConstant(sensor.noise_rad * sensor.noise_rad);
   }
   if (curvature_) curvature_noise(R);
@@ -164,7 +164,7 @@ void ShapeModel::add_base_noise(ResidualMatrix& R) const {
   for (int k = 0; k < selected_count_; ++k) {
     const Pose& T = selected_[k].measured->T_base_sensor;
     const int first = selected_[k].first, turns = rows_of(catheter_.sensors[selected_[k].measured->sensor].kind) - 3;
-    B.block<3, 3>(first, 0) = -mount.R * base.noise_m;
+    B.block<3, 3>(first, 0) = -mount.R * base.noise_m.asDiagonal();
     B.block<3, 3>(first, 3) = hat(T.p - mount.p) * mount.R * base.noise_rad;
     B.block(first + 3, 3, turns, 3) = (-T.R.transpose() * mount.R * base.noise_rad).topRows(turns);
   }

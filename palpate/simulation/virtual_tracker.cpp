@@ -27,12 +27,12 @@ class NoiseSource {
   std::uniform_real_distribution<double> uniform_;
 };
 
-SensorReading read_sensor(const Sensor& sensor, const Pose& T_tracker_sensor, const VirtualTrackerOptions& options,
-                          NoiseSource& noise) {
+SensorReading read_sensor(const Sensor& sensor, const Pose& T_tracker_sensor, const Matrix3d& R_tracker_base,
+                          const VirtualTrackerOptions& options, NoiseSource& noise) {
   SensorReading reading;
   reading.status = SensorReading::Status::kOk;
   reading.has_orientation = sensor.kind != SensorKind::kPosition;
-  reading.position_m = T_tracker_sensor.p + noise.normal(sensor.noise_m);
+  reading.position_m = T_tracker_sensor.p + R_tracker_base * sensor.noise_m.cwiseProduct(noise.normal(1.0));
   const Matrix3d R = T_tracker_sensor.R * exp_so3(noise.normal(sensor.noise_rad));
   if (reading.has_orientation) {
     const Eigen::Quaterniond q(R);
@@ -78,11 +78,11 @@ VirtualRecording simulate_tracker(const Catheter& catheter, const ForceSchedule&
     for (std::size_t i = 0; i < catheter.sensors.size(); ++i) {
       const Sensor& sensor = catheter.sensors[i];
       const Pose T = T_tracker_base * shape.points[i].T_base_local * sensor.T_local_sensor;
-      frame.readings.push_back(read_sensor(sensor, T, options, noise));
+      frame.readings.push_back(read_sensor(sensor, T, T_tracker_base.R, options, noise));
     }
     if (catheter.base.tracked) {
       const Sensor& base = catheter.base.sensor;
-      frame.readings.push_back(read_sensor(base, T_tracker_base * base.T_local_sensor, options, noise));
+      frame.readings.push_back(read_sensor(base, T_tracker_base * base.T_local_sensor, T_tracker_base.R, options, noise));
     }
     recording.frames.push_back(std::move(frame));
     recording.force_tip_N.push_back(load.force_tip_N);

@@ -34,7 +34,7 @@ struct VirtualRecording {
 };
 
 /// Runs the schedule on the catheter at Accuracy::kReference. Noise as the catheter's sensors state it: white, position
-/// along the tracker's axes, orientation R exp(n) in sensor axes; a tracked base included, standing at
+/// along the base axes, orientation R exp(n) in sensor axes; a tracked base included, standing at
 /// BaseRegistration::T_tracker_base. Throws InputError on unusable options, and where a force has no equilibrium under
 /// the rod's own weight.
 VirtualRecording simulate_tracker(const Catheter& catheter, const ForceSchedule& force, const VirtualTrackerOptions& options);

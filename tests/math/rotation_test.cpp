@@ -52,10 +52,8 @@ TEST(Rotation, InverseJacobiansAreDerivativesOfLog) {
     const Vector3d phi = angle * random_vector(random, 1.0).normalized();
     for (int k = 0; k < 3; ++k) {
       const Vector3d step = h * Vector3d::Unit(k);
-      const Vector3d left =
-          (log_so3(exp_so3(step) * exp_so3(phi)) - log_so3(exp_so3(-step) * exp_so3(phi))) / (2 * h);
-      const Vector3d right =
-          (log_so3(exp_so3(phi) * exp_so3(step)) - log_so3(exp_so3(phi) * exp_so3(-step))) / (2 * h);
+      const Vector3d left = (log_so3(exp_so3(step) * exp_so3(phi)) - log_so3(exp_so3(-step) * exp_so3(phi))) / (2 * h);
+      const Vector3d right = (log_so3(exp_so3(phi) * exp_so3(step)) - log_so3(exp_so3(phi) * exp_so3(-step))) / (2 * h);
       EXPECT_LT((left - inverse_left_jacobian(phi).col(k)).norm(), 1e-8) << angle;
       EXPECT_LT((right - inverse_right_jacobian(phi).col(k)).norm(), 1e-8) << angle;
     }

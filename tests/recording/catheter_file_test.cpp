@@ -55,7 +55,7 @@ TEST_F(CatheterFiles, PlainFileInSiUnits) {
   ASSERT_EQ(catheter.sensors.size(), 1u);
   EXPECT_EQ(catheter.sensors[0].name, "tip");
   EXPECT_DOUBLE_EQ(catheter.sensors[0].arc_length_m, 0.07);
-  EXPECT_DOUBLE_EQ(catheter.sensors[0].noise_m, 0.28e-3);
+  EXPECT_DOUBLE_EQ(catheter.sensors[0].noise_m.x(), 0.28e-3);
   EXPECT_DOUBLE_EQ(catheter.sensors[0].noise_rad, Sensor().noise_rad);
   EXPECT_FALSE(catheter.tendon.present);
   EXPECT_FALSE(file.reference.given);
@@ -153,7 +153,7 @@ TEST_F(CatheterFiles, BaseSensorByEntryOrByItsOwnKeys) {
   EXPECT_TRUE(own.catheter.base.sensor.T_local_sensor.p.isApprox(Vector3d(0.001, 0.002, 0.003)));
   const CatheterFile entry = read(with(fixed, "sensor = \"clamp\"") + "[[sensor]]\nname = \"clamp\"\nnoise_mm = 0.1\n");
   EXPECT_EQ(entry.catheter.sensors.size(), 1u);
-  EXPECT_DOUBLE_EQ(entry.catheter.base.sensor.noise_m, 1e-4);
+  EXPECT_DOUBLE_EQ(entry.catheter.base.sensor.noise_m.z(), 1e-4);
   EXPECT_EQ(
       error_of([&] { read(with(fixed, "sensor = \"clamp\"\nnoise_mm = 0.2") + "[[sensor]]\nname = \"clamp\"\n"); }),
       "c.toml:9: base.noise_mm = 0.2: expected this key in the [[sensor]] entry 'clamp'");
@@ -255,7 +255,8 @@ TEST_F(CatheterFiles, MissingKeys) {
 
 TEST_F(CatheterFiles, MistypedValues) {
   EXPECT_EQ(error("70.0", "\"70 mm\""),
-            "c.toml:3: catheter.length_mm = \"70 mm\": expected a length in mm, 1..5000 (is it in metres?)");
+            "c.toml:3: catheter.length_mm = \"70 mm\": expected a length in mm, 1..5000 (is it in metres?), as a number "
+            "without quotes");
   EXPECT_EQ(
       error("[39.99, 0.0, 0.0]", "39.99"),
       "c.toml:6: catheter.precurvature_per_m = 39.99: expected [3 numbers], each a curvature in 1/m, at most 1000 "

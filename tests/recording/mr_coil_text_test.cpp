@@ -32,7 +32,7 @@ TEST_F(MrCoilText, CoilsOfOneRecordingFormFramesByTime) {
 
 TEST_F(MrCoilText, AFolderMustHoldOneRecording) {
   const std::string none = error_of([&] { read_tracker_recording(path("")); });
-  EXPECT_NE(none.find("expected files named cathcoords-coil<K>-<REC>.txt, found none"), std::string::npos) << none;
+  EXPECT_NE(none.find("MR coil text named cathcoords-coil<K>-<REC>.txt in it"), std::string::npos) << none;
   write("cathcoords-coil1-0000.txt", "1 2 3 40 1000 5 -0.2\n");
   EXPECT_EQ(read_tracker_recording(path("")).frames.size(), 1u);
   write("cathcoords-coil1-0001.txt", "1 2 3 40 1000 5 -0.2\n");

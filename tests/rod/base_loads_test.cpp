@@ -48,7 +48,8 @@ double energy(const Rod& rod, const Vector3d& force_base_N, const Freedoms& x) {
     elastic += 0.5 * h * bend.dot(section.stiffness_Nm2.cwiseProduct(bend));
     const double a2 = std::max(turn.squaredNorm(), 1e-12), a = std::sqrt(a2);
     const Matrix3d H = hat(turn);
-    r += h * (R * (Vector3d::UnitZ() + (1.0 - std::cos(a)) / a2 * H.col(2) + (a - std::sin(a)) / (a2 * a) * H * H.col(2)));
+    r += h *
+         (R * (Vector3d::UnitZ() + (1.0 - std::cos(a)) / a2 * H.col(2) + (a - std::sin(a)) / (a2 * a) * H * H.col(2)));
     R = R * exp_so3(turn);
   }
   return (elastic - force_base_N.dot(r)) * L / section.stiffness_Nm2.minCoeff();
@@ -151,7 +152,8 @@ TEST(BaseLoads, DeterminantIsThatOfTheUnbentColumn) {
   const Rod rod = test::paper_catheter(0.0);
   const double P = 0.6 * euler_load_N(rod), L = rod.length_m();
   const Stiffness& K = rod.sections[0].stiffness_Nm2;
-  EXPECT_NEAR(follow(rod, {0, 0, -P}).determinant, std::cos(L * std::sqrt(P / K(0))) * std::cos(L * std::sqrt(P / K(1))), 1e-9);
+  EXPECT_NEAR(follow(rod, {0, 0, -P}).determinant,
+              std::cos(L * std::sqrt(P / K(0))) * std::cos(L * std::sqrt(P / K(1))), 1e-9);
 }
 
 // ---------------------------------------------------------------------------------------------------------------
@@ -173,7 +175,8 @@ TEST(BaseLoads, DeterminantIsThatOfBaseForceByTipForce) {
     constexpr double h = 1e-4;
     for (int k = 0; k < 3; ++k) {
       const Vector3d d = h * Vector3d::Unit(k);
-      J.col(k) = (8.0 * (base_force(F + d) - base_force(F - d)) - (base_force(F + 2 * d) - base_force(F - 2 * d))) / (12 * h);
+      J.col(k) =
+          (8.0 * (base_force(F + d) - base_force(F - d)) - (base_force(F + 2 * d) - base_force(F - 2 * d))) / (12 * h);
     }
     EXPECT_NEAR(equilibrium.determinant, J.determinant(), 1e-5 * (1.0 + J.norm() * J.norm() * J.norm()));
   }
@@ -255,7 +258,8 @@ Elastica shoot(double EI, double L, double P, double w) {
     const double h = L / n;
     for (int i = 0; i < n; ++i) {
       const double s = i * h;
-      const State a = f(s, y), b = f(s + h / 2, y + h / 2 * a), c = f(s + h / 2, y + h / 2 * b), d = f(s + h, y + h * c);
+      const State a = f(s, y), b = f(s + h / 2, y + h / 2 * a), c = f(s + h / 2, y + h / 2 * b),
+                  d = f(s + h, y + h * c);
       y += h / 6 * (a + 2 * b + 2 * c + d);
     }
     return y;
@@ -305,8 +309,9 @@ TEST(BaseLoads, OwnWeightByNewtonAndByContinuationAgree) {
     EXPECT_TRUE(solve_under_weight<3>(solver, load, {}, workspace, solution).converged);
     const Equilibrium equilibrium = follow_from_rest(solver, {.force_base_N = Vector3d::Zero(), .tip = load});
     EXPECT_LT((equilibrium.T_base_tip.p - solution.T_base_tip.p).norm(), 1e-10);
-    EXPECT_LT((solution.T_base_tip.R * equilibrium.load.distributed_tip_N_per_m - rod.distributed_load_base_N_per_m).norm(),
-              1e-9);
+    EXPECT_LT(
+        (solution.T_base_tip.R * equilibrium.load.distributed_tip_N_per_m - rod.distributed_load_base_N_per_m).norm(),
+        1e-9);
   }
 }
 

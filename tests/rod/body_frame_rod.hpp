@@ -11,8 +11,8 @@
 /// components as in the paper, direction cosines instead of a quaternion, classic Runge-Kutta, long double.
 ///
 ///   n' + u x n + R^T w = 0                                              (5), and w, a uniform load
-///   m' + u x m + v x n = 0,   u = u0 + K^-1 (m_t + m)                   (6): with m = K (u - u0), component by component
-///   v = e3 + Kse^-1 n,   R' = R hat(u),   r' = R v                      (2), (1)
+///   m' + u x m + v x n = 0,   u = u0 + K^-1 (m_t + m)                   (6): with m = K (u - u0), component by
+///   component v = e3 + Kse^-1 n,   R' = R hat(u),   r' = R v                      (2), (1)
 ///
 /// from the tip (R = I, r = 0, n = F, m = M, w in tip components) to the clamp.
 namespace palpate::test::body_frame {

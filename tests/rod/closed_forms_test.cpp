@@ -22,8 +22,8 @@ Rod straight_rod() { return uniform_rod(kLength_m, kStiffness, Vector3d::Zero())
 Pose helix(const Vector3d& u, double s) {
   const Matrix3d H = hat(u);
   const double w = u.norm();
-  const Matrix3d V = s * Matrix3d::Identity() + (1.0 - std::cos(w * s)) / (w * w) * H +
-                     (s - std::sin(w * s) / w) / (w * w) * H * H;
+  const Matrix3d V =
+      s * Matrix3d::Identity() + (1.0 - std::cos(w * s)) / (w * w) * H + (s - std::sin(w * s) / w) / (w * w) * H * H;
   return {exp_so3(s * u), V.col(2)};
 }
 
@@ -102,7 +102,8 @@ TEST(ClosedForms, ShearAddsPLOverKGAAndStretchNLOverEA) {
   rod.shear_stiffness_N = 0.5;  // soft, so that shear is a fifth of the bending
   rod.axial_stiffness_N = 20.0;
   const double P = 1e-6;
-  const double bending = P * std::pow(kLength_m, 3) / (3 * kStiffness(1)), shear = P * kLength_m / rod.shear_stiffness_N;
+  const double bending = P * std::pow(kLength_m, 3) / (3 * kStiffness(1)),
+               shear = P * kLength_m / rod.shear_stiffness_N;
   EXPECT_NEAR(follow(rod, {P, 0, 0}).T_base_tip.p.x() / (bending + shear), 1.0, 1e-5);
   const double N = 1e-3;
   const RodSolution<0> pulled = test::solve(rod, {.force_tip_N = {0, 0, N}}, {kLength_m});
@@ -126,7 +127,8 @@ TEST(ClosedForms, DeadLoadAcrossTheRodGivesTheElastica) {
       EXPECT_EQ(equilibrium.load_factor, 1.0);
       const Vector3d tip = equilibrium.T_base_tip.p;
       EXPECT_NEAR(tip(2), std::sqrt(2.0 * EI * std::sin(theta_L) / P), 1e-9 * kLength_m) << theta_L;
-      EXPECT_NEAR(tip(axis), kLength_m - 2.0 * std::sqrt(EI / P) * (ellint_2(k) - ellint_2(k, phi_0)), 1e-9 * kLength_m);
+      EXPECT_NEAR(tip(axis), kLength_m - 2.0 * std::sqrt(EI / P) * (ellint_2(k) - ellint_2(k, phi_0)),
+                  1e-9 * kLength_m);
       EXPECT_NEAR(tip(1 - axis), 0.0, 1e-15);
       EXPECT_NEAR(std::asin(equilibrium.T_base_tip.R(axis, 2)), theta_L, 1e-9);
     }
@@ -155,8 +157,8 @@ TEST(ClosedForms, TendonCoupleAndEndMomentAreTwoDifferentLoads) {
   EXPECT_NEAR((a.p - b.p).norm(), 9e-3, 0.5e-3);  // the design's figures, from an independent prototype
   EXPECT_NEAR(log_so3(a.R.transpose() * b.R).norm() * 180.0 / std::numbers::pi, 26.0, 0.6);
   couple.force_tip_N = end_moment.force_tip_N = Vector3d::Zero();  // without a force they agree
-  expect_pose(test::solve(straight_rod(), couple, {}).T_base_tip, test::solve(straight_rod(), end_moment, {}).T_base_tip,
-              1e-9);
+  expect_pose(test::solve(straight_rod(), couple, {}).T_base_tip,
+              test::solve(straight_rod(), end_moment, {}).T_base_tip, 1e-9);
 }
 
 TEST(ClosedForms, ContactOffsetAddsTheMomentOfTheForce) {
@@ -208,13 +210,15 @@ TEST(ClosedForms, StationsOnARigidTipLieOnItsAxis) {
   Rod rod = test::paper_catheter(20.0);
   rod.rigid_tip_m = 0.008;
   rod.contact_offset_m = {0, 0, 0.008};
-  const TipLoad load{.force_tip_N = {0.03, -0.04, 0.05}, .moment_tip_Nm = {1e-3, 0, 2e-4}, .tendon_couple_Nm = {1e-3, 0, 0}};
+  const TipLoad load{
+      .force_tip_N = {0.03, -0.04, 0.05}, .moment_tip_Nm = {1e-3, 0, 2e-4}, .tendon_couple_Nm = {1e-3, 0, 0}};
   const RodSolution<0> solution = test::solve(rod, load, {kLength_m + 0.005, kLength_m});
   const RodPoint& beyond = solution.points[0];
   EXPECT_LT((beyond.T_base_local.p - solution.T_base_tip * Vector3d(0, 0, 0.005)).norm(), 1e-16);
   EXPECT_EQ(beyond.T_base_local.R, solution.T_base_tip.R);
   EXPECT_TRUE(beyond.curvature_per_m.isZero(0.0));
-  EXPECT_LT((beyond.moment_local_Nm - load.moment_tip_Nm - Vector3d(0, 0, 0.003).cross(load.force_tip_N)).norm(), 1e-17);
+  EXPECT_LT((beyond.moment_local_Nm - load.moment_tip_Nm - Vector3d(0, 0, 0.003).cross(load.force_tip_N)).norm(),
+            1e-17);
   EXPECT_LT((solution.points[1].T_base_local.p - solution.T_base_tip.p).norm(), 1e-16);
 }
 
@@ -225,8 +229,8 @@ TEST(ClosedForms, EqualSectionsMakeAUniformRod) {
   for (const auto& [from, to] : {std::pair(0.0, 0.013), std::pair(0.013, 0.04), std::pair(0.04, kLength_m)})
     pieces.sections.push_back({from, to, kStiffness, {25.0, 0, 0}, false});
   for (const double s : {0.005, 0.013, 0.05, kLength_m})
-    expect_pose(test::solve(pieces, load, {s}).points[0].T_base_local, test::solve(uniform, load, {s}).points[0].T_base_local,
-                1e-8);
+    expect_pose(test::solve(pieces, load, {s}).points[0].T_base_local,
+                test::solve(uniform, load, {s}).points[0].T_base_local, 1e-8);
 }
 
 // ---------------------------------------------------------------------------------------------------------------
@@ -272,8 +276,8 @@ TEST(RodProperties, AQuarterTurnAboutTheShaftTurnsTheShape) {
   holds_for_all("quarter turn", [&] {
     const AnyRod a = any_rod();
     const Section& s = a.rod.sections[0];
-    const Rod turned = uniform_rod(kLength_m, {s.stiffness_Nm2(1), s.stiffness_Nm2(0), s.stiffness_Nm2(2)},
-                                   Z * s.precurvature_per_m);
+    const Rod turned =
+        uniform_rod(kLength_m, {s.stiffness_Nm2(1), s.stiffness_Nm2(0), s.stiffness_Nm2(2)}, Z * s.precurvature_per_m);
     const TipLoad load{.force_tip_N = Z * a.load.force_tip_N,
                        .moment_tip_Nm = Z * a.load.moment_tip_Nm,
                        .tendon_couple_Nm = Z * a.load.tendon_couple_Nm};

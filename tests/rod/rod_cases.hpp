@@ -55,7 +55,9 @@ inline std::vector<ReferenceRod> reference_rods() {
 }
 
 /// The paper's catheter (Table 2), with precurvature k1,0.
-inline Rod paper_catheter(double k1_per_m) { return uniform_rod(0.07, {0.2612e-3, 0.16664e-3, 0.1645e-3}, {k1_per_m, 0, 0}); }
+inline Rod paper_catheter(double k1_per_m) {
+  return uniform_rod(0.07, {0.2612e-3, 0.16664e-3, 0.1645e-3}, {k1_per_m, 0, 0});
+}
 
 inline Vector3d uniform_in_ball(std::mt19937_64& random, double radius) {
   std::normal_distribution<double> normal;

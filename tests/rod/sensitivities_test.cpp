@@ -34,8 +34,7 @@ Column central_difference(const Values& values, double h) {
   const Column p1 = values(h), m1 = values(-h), p2 = values(2 * h), m2 = values(-2 * h);
   Column d = p1;
   for (std::size_t i = 0; i < d.size(); ++i)
-    for (int o = 0; o < kOutputs; ++o)
-      d[i][o] = (8.0 * (p1[i][o] - m1[i][o]) - (p2[i][o] - m2[i][o])) / (12.0 * h);
+    for (int o = 0; o < kOutputs; ++o) d[i][o] = (8.0 * (p1[i][o] - m1[i][o]) - (p2[i][o] - m2[i][o])) / (12.0 * h);
   return d;
 }
 
@@ -180,7 +179,8 @@ TEST(Sensitivities, ShearStretchAndDistributedLoadAgreeWithTheBodyFrameEquations
   std::mt19937_64 random(12);
   double worst = 0.0;
   for (int i = 0; i < 60; ++i)
-    worst = std::max(worst, compare_with_body_frame(random_rod(random, i % 3 != 0, i % 3 != 1), fmt::format("rod {}", i)));
+    worst =
+        std::max(worst, compare_with_body_frame(random_rod(random, i % 3 != 0, i % 3 != 1), fmt::format("rod {}", i)));
   report("sensitivities_full", worst);
 }
 
@@ -271,7 +271,8 @@ Rod jointed_rod() {
   return rod;
 }
 
-double compare_with_own_differences(const Inputs& a, const LoadDirections<12>& d, double h, double allowed, int& checked) {
+double compare_with_own_differences(const Inputs& a, const LoadDirections<12>& d, double h, double allowed,
+                                    int& checked) {
   const std::vector<double> s{0.076, 0.07, 0.05, 0.033, 0.0};
   const RodSolver solver(a.rod, s);
   auto base = solver.make_solution<12>();
@@ -290,7 +291,8 @@ double compare_with_own_differences(const Inputs& a, const LoadDirections<12>& d
     const Column difference = central_difference(values, h);
     if (!same_steps) continue;
     ++checked;
-    worst = std::max(worst, worst_relative_error(exact_column(base, j), difference, fmt::format("column {}", j), allowed));
+    worst =
+        std::max(worst, worst_relative_error(exact_column(base, j), difference, fmt::format("column {}", j), allowed));
   }
   return worst;
 }
@@ -303,7 +305,8 @@ TEST(Sensitivities, AreThoseOfTheDiscretisedRod) {
     const bool shears = i % 3 == 1, distributed = i % 3 == 2;
     Inputs a{jointed_rod(), {.force_tip_N = test::uniform_in_ball(random, 0.3)}};
     if (shears) a.rod.shear_stiffness_N = 5.0, a.rod.axial_stiffness_N = 12.0;
-    worst = std::max(worst, compare_with_own_differences(a, mixed_directions(random, distributed), 2e-4, 1e-8, checked));
+    worst =
+        std::max(worst, compare_with_own_differences(a, mixed_directions(random, distributed), 2e-4, 1e-8, checked));
   }
   EXPECT_GT(checked, 100);
   report("sensitivities_discretised", worst);
@@ -334,10 +337,11 @@ void check_totals_under_weight(int seed) {
     const RodSolution<N> base = solve(a);
     EXPECT_LT((base.tip_rotation - base.tangents[1].rotation).norm(), 1e-12 * base.tip_rotation.norm());
     for (int j = 0; j < N; ++j)
-      worst = std::max(worst, worst_relative_error(
-                                  exact_column(base, j),
-                                  central_difference([&](double h) { return differences(solve(moved(a, d, j, h)), base); }, 2e-3),
-                                  fmt::format("rod {} column {}", i, j), 1e-6));
+      worst = std::max(
+          worst, worst_relative_error(
+                     exact_column(base, j),
+                     central_difference([&](double h) { return differences(solve(moved(a, d, j, h)), base); }, 2e-3),
+                     fmt::format("rod {} column {}", i, j), 1e-6));
   }
   report(fmt::format("totals_under_weight_{}", N), worst);
 }

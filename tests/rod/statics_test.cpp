@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <iostream>
+#include <limits>
 #include <palpate/math/errors.hpp>
 
 #include "tests/rod/rod_cases.hpp"
@@ -144,6 +145,14 @@ TEST(Statics, StationsComeBackInTheOrderAskedFor) {
     EXPECT_LT((mixed.points[i].T_base_local.p - sorted.points[rank[i]].T_base_local.p).norm(), 1e-12);
   EXPECT_LT(mixed.points[2].T_base_local.p.norm(), 1e-16);
   EXPECT_LT((mixed.points[2].T_base_local.R - Matrix3d::Identity()).norm(), 1e-14);
+}
+
+TEST(Statics, AbsurdLoadsEndInTimeAndNotFiniteOnesInNotFiniteShapes) {
+  const Rod rod = test::paper_catheter(30.0);
+  test::solve(rod, {.force_tip_N = {1e9, 0, 0}}, {0.07});
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double force_N : {infinity, std::nan("")})
+    EXPECT_FALSE(test::solve(rod, {.force_tip_N = {force_N, 0, 0}}, {0.07}).T_base_tip.p.allFinite());
 }
 
 TEST(Statics, StationOutsideTheShaftIsRefusedWithItsValue) {

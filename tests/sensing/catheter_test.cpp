@@ -38,7 +38,7 @@ TEST(Catheter, SensorFaultsAreNamed) {
             "catheter: sensor 'shaft' arc_length_m = 0.08: expected 0..0.07, the shaft with its rigid tip");
   catheter.rod.rigid_tip_m = 0.01;
   EXPECT_EQ(error_of(catheter), "no error");
-  catheter.sensors[0].noise_m = std::nan("");
+  catheter.sensors[0].noise_m.x() = std::nan("");
   EXPECT_EQ(error_of(catheter), "catheter: sensor 'tip' noise_m = nan: expected more than 0");
   catheter = good_catheter();
   catheter.sensors[0].noise_rad = 0.0;

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "estimate_input.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <palpate/math/errors.hpp>
+#include <palpate/math/units.hpp>
+#include <palpate/recording/tendon_csv.hpp>
+#include <palpate/sensing/screening.hpp>
+
+namespace palpate::app {
+
+namespace {
+
+/// Where the usable positions of one sensor lie.
+struct Extent {
+  double nearest_to_base_m = std::numeric_limits<double>::infinity();
+  double farthest_from_base_m = 0.0;
+  double farthest_from_origin_m = 0.0;
+};
+
+Extent extent_of(const TrackerRecording& recording, std::size_t i, SensorKind kind, const Vector3d& base_m) {
+  Extent extent;
+  for (const TrackerFrame& frame : recording.frames) {
+    const SensorReading& reading = frame.readings[i];
+    if (screen(reading, kind) != Rejection::kNone) continue;
+    const double to_base_m = (reading.position_m - base_m).norm();
+    extent.nearest_to_base_m = std::min(extent.nearest_to_base_m, to_base_m);
+    extent.farthest_from_base_m = std::max(extent.farthest_from_base_m, to_base_m);
+    extent.farthest_from_origin_m = std::max(extent.farthest_from_origin_m, reading.position_m.norm());
+  }
+  return extent;
+}
+
+/// A recording in metres, or of another setup, keeps a sensor where the shaft cannot hold it.
+void check_reach(const Catheter& catheter, const TrackerRecording& recording) {
+  if (catheter.base.tracked) return;
+  const double reach_m =
+      1.5 * (catheter.rod.length_m() + catheter.rod.rigid_tip_m) + 0.02 + 4.0 * catheter.base.position_sigma_m;
+  constexpr double kAsIfMetres_m = 2e-3;  // two metres, read as millimetres
+  for (std::size_t i = 0; i < catheter.sensors.size(); ++i) {
+    const Sensor& sensor = catheter.sensors[i];
+    const Extent extent = extent_of(recording, i, sensor.kind, catheter.base.T_tracker_base.p);
+    if (!std::isfinite(extent.nearest_to_base_m)) continue;
+    const bool tiny = extent.farthest_from_origin_m < kAsIfMetres_m;
+    if (tiny && extent.farthest_from_base_m < 0.2 * sensor.arc_length_m)
+      throw InputError(fmt::format(
+          "{}: sensor \"{}\": never farther than {:.4g} mm from the base, though {:.4g} mm along the shaft: "
+          "expected millimetres; are the positions in metres?",
+          recording.source, sensor.name, extent.farthest_from_base_m * kMillimetresPerMetre,
+          sensor.arc_length_m * kMillimetresPerMetre));
+    if (extent.nearest_to_base_m > reach_m)
+      throw InputError(
+          fmt::format("{}: sensor \"{}\": never nearer than {:.4g} mm to the base of the catheter file: expected at "
+                      "most {:.4g} mm; "
+                      "{}",
+                      recording.source, sensor.name, extent.nearest_to_base_m * kMillimetresPerMetre,
+                      reach_m * kMillimetresPerMetre,
+                      tiny ? "are the positions in metres instead of millimetres?" : "is [base] that of this setup?"));
+  }
+}
+
+void check_reference(const ReferenceInterval& reference, const TrackerRecording& recording) {
+  if (!reference.given) return;
+  const auto inside = [&](const TrackerFrame& frame) {
+    return frame.time_s >= reference.from_s && frame.time_s <= reference.to_s;
+  };
+  if (std::any_of(recording.frames.begin(), recording.frames.end(), inside)) return;
+  throw InputError(fmt::format(
+      "{}: reference {}:{} s: expected an interval with frames; the recording goes from {} s to {} s", recording.source,
+      reference.from_s, reference.to_s, recording.frames.front().time_s, recording.frames.back().time_s));
+}
+
+void attach_tendon(const std::string& path, const Catheter& catheter, TrackerRecording& recording,
+                   std::vector<std::string>& warnings) {
+  if (path.empty()) return;
+  if (!catheter.tendon.present)
+    throw InputError(fmt::format("--tendon {}: the catheter file has no [tendon]: expected its model", path));
+  const TendonTrace trace = read_tendon_csv(path, catheter.tendon);
+  std::size_t outside = 0;
+  for (TrackerFrame& frame : recording.frames) {
+    if (!std::isfinite(frame.time_s)) continue;
+    const TendonTrace::Sample sample = trace.interpolate(frame.time_s);
+    outside += sample.inside ? 0 : 1;
+    frame.tendon = {.present = true, .moment_Nm = sample.moment_Nm, .sigma_Nm = sample.sigma_Nm};
+  }
+  if (outside > 0)
+    warnings.push_back(
+        fmt::format("{}: {} frames lie outside its time span: the nearest moment was taken", path, outside));
+  warnings.push_back(
+      fmt::format("{}: the moment is used as a known load; its sigma does not widen the force's yet", path));
+}
+
+}  // namespace
+
+TrackerRecording load_recording(const EstimateOptions& options, const CatheterFile& file,
+                                std::vector<std::string>& warnings) {
+  TrackerRecording recording = read_tracker_recording(
+      options.recording,
+      {.catheter = &file.catheter, .reference_from_s = file.reference.from_s, .reference_to_s = file.reference.to_s});
+  bind_to_catheter(recording, file.catheter, file.ignore_sensors);
+  if (recording.frames.empty()) throw InputError(fmt::format("{}: expected at least one frame", options.recording));
+  for (const std::string& note : recording.notes) warnings.push_back(fmt::format("{}: {}", options.recording, note));
+  check_reference(file.reference, recording);
+  check_reach(file.catheter, recording);
+  attach_tendon(options.tendon, file.catheter, recording, warnings);
+  return recording;
+}
+
+void refuse_passed_over_rows(const TrackerRecording& recording) {
+  if (recording.duplicate_rows == 0) return;
+  throw InputError(fmt::format("{}: {}: {} in all: expected one row a sensor a frame (--strict)", recording.source,
+                               recording.first_duplicate, recording.duplicate_rows));
+}
+
+void refuse_passed_over_readings(const TrackerRecording& recording, const TrackerFrame& frame,
+                                 const Estimate& estimate) {
+  const auto refuse = [&](const std::string& what) {
+    throw InputError(
+        fmt::format("{}: frame {} at {} s: {} (--strict)", recording.source, frame.number, frame.time_s, what));
+  };
+  if (estimate.time == FrameTime::kStandsStill)
+    refuse("time stands still: expected a later time than the frame before");
+  if (estimate.time == FrameTime::kStepsBack || estimate.time == FrameTime::kResynchronised)
+    refuse("time steps back: expected a later time than the frame before");
+  if (estimate.time == FrameTime::kNotFinite) refuse("time is not finite: expected seconds");
+  for (std::size_t i = 0; i < frame.readings.size(); ++i) {
+    const Rejection reason = estimate.rejections[i];
+    if (reason == Rejection::kNone || reason == Rejection::kMissing) continue;
+    refuse(fmt::format("sensor \"{}\": {}", recording.sensor_names[i], describe(reason)));
+  }
+  const bool all_missing = std::all_of(frame.readings.begin(), frame.readings.end(), [](const SensorReading& reading) {
+    return reading.status == SensorReading::Status::kMissing;
+  });
+  if (estimate.used == 0 && !all_missing)
+    refuse(fmt::format("status {}: expected at least one usable sensor", describe(estimate.status)));
+}
+
+}  // namespace palpate::app

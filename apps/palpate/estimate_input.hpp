@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <palpate/observer/estimate.hpp>
+#include <palpate/recording/tracker_recording.hpp>
+
+#include "estimate_options.hpp"
+
+namespace palpate::app {
+
+/// The recording in the order of the catheter's sensors, with the tendon's moment in its frames, checked for what would
+/// make the whole run meaningless. Adds to `warnings` what a user should know. Throws InputError.
+TrackerRecording load_recording(const EstimateOptions& options, const CatheterFile& file,
+                                std::vector<std::string>& warnings);
+
+/// --strict: throws InputError on rows of the recording that are passed over,
+void refuse_passed_over_rows(const TrackerRecording& recording);
+/// and on a frame whose time or readings are. A sensor that the tracker itself reports as MISSING is none.
+void refuse_passed_over_readings(const TrackerRecording& recording, const TrackerFrame& frame,
+                                 const Estimate& estimate);
+
+}  // namespace palpate::app

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "estimate_options.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <palpate/math/errors.hpp>
+#include <vector>
+
+namespace palpate::app {
+
+namespace {
+
+template <class Enum>
+using Named = std::pair<std::string_view, Enum>;
+
+constexpr std::array<Named<Method>, 3> kMethods{
+    {{"ekf", Method::kEkf}, {"iekf", Method::kIekf}, {"iaekf", Method::kIaekf}}};
+constexpr std::array<Named<MeasurementKind>, 2> kMeasurements{
+    {{"poses", MeasurementKind::kPoses}, {"tip_and_curvature", MeasurementKind::kTipAndCurvature}}};
+
+template <class Names>
+void choose(std::string_view flag, const std::string& value, const Names& known,
+            typename Names::value_type::second_type& out) {
+  if (value.empty()) return;
+  std::vector<std::string_view> names;
+  for (const auto& [name, chosen] : known) {
+    if (value == name) {
+      out = chosen;
+      return;
+    }
+    names.push_back(name);
+  }
+  throw InputError(fmt::format("{} {}: expected one of {}", flag, value, fmt::join(names, ", ")));
+}
+
+template <class Names, class Enum>
+std::string_view name_in(const Names& known, Enum value) {
+  for (const auto& [name, named] : known)
+    if (named == value) return name;
+  return "";
+}
+
+/// "FROM:TO" in seconds.
+void parse_reference(const std::string& text, ReferenceInterval& reference) {
+  if (text.empty()) return;
+  const auto refuse = [&](const char* expected) {
+    throw InputError(fmt::format("--reference {}: expected {}", text, expected));
+  };
+  const auto number = [&](std::string_view part) {
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    if (error != std::errc() || end != part.data() + part.size() || !std::isfinite(value))
+      refuse("FROM:TO in seconds, as 0:2");
+    return value;
+  };
+  const std::string_view whole = text;
+  const std::size_t colon = whole.find(':');
+  if (colon == std::string_view::npos) refuse("FROM:TO in seconds, as 0:2");
+  reference.from_s = number(whole.substr(0, colon));
+  reference.to_s = number(whole.substr(colon + 1));
+  if (!(reference.to_s > reference.from_s)) refuse("an end after the beginning");
+  reference.given = true;
+}
+
+void refuse_same_file(const char* flag, const std::string& output, const std::string& other, const char* what) {
+  if (output.empty() || other.empty()) return;
+  std::error_code ignored;
+  const bool same = std::filesystem::path(output).lexically_normal() == std::filesystem::path(other).lexically_normal();
+  if (!same && !std::filesystem::equivalent(output, other, ignored)) return;
+  throw InputError(fmt::format("{} {}: expected another file than {}", flag, output, what));
+}
+
+void refuse_absent_folder(const char* flag, const std::string& output) {
+  std::error_code ignored;
+  const std::filesystem::path folder = std::filesystem::path(output).parent_path();
+  if (folder.empty() || std::filesystem::is_directory(folder, ignored)) return;
+  throw InputError(fmt::format("{} {}: expected the folder {} to exist", flag, output, folder.string()));
+}
+
+}  // namespace
+
+std::string_view name_of(Method method) { return name_in(kMethods, method); }
+std::string_view name_of(MeasurementKind kind) { return name_in(kMeasurements, kind); }
+
+void check_paths(const EstimateOptions& options) {
+  for (const auto& [name, path] :
+       {std::pair{"recording", &options.recording}, {"--catheter", &options.catheter}, {"--out", &options.out}})
+    if (path->empty()) throw InputError(fmt::format("{}: expected the name of a file, found an empty one", name));
+  for (const auto& [flag, output] : {std::pair{"--out", &options.out}, {"--plot", &options.plot}}) {
+    refuse_same_file(flag, *output, options.recording, "the recording");
+    refuse_same_file(flag, *output, options.catheter, "the catheter file");
+    refuse_same_file(flag, *output, options.tendon, "the tendon CSV");
+    refuse_absent_folder(flag, *output);
+  }
+  refuse_same_file("--plot", options.plot, options.out, "--out");
+  const std::string extension = std::filesystem::path(options.plot).extension().string();
+  if (!options.plot.empty() && extension != ".svg" && extension != ".png")
+    throw InputError(fmt::format("--plot {}: expected a file name that ends in .svg or .png", options.plot));
+}
+
+void apply_options(const EstimateOptions& options, CatheterFile& file) {
+  ObserverOptions& observer = file.observer;
+  if (observer.method == Method::kUkf) observer.method = Method::kIekf;  // as the file's warning says
+  choose("--method", options.method, kMethods, observer.method);
+  choose("--measurement", options.measurement, kMeasurements, observer.measurement);
+  if (!options.state.empty() && options.state != "force")
+    throw InputError(fmt::format(
+        "--state {}: expected force; stiffness and precurvature are not estimated by this version", options.state));
+  if (options.smooth) throw InputError("--smooth: not available in this version; leave it out for the online estimate");
+  parse_reference(options.reference, file.reference);
+  observer.report_convergence_index = true;
+}
+
+void add_estimate_options(CLI::App& verb, EstimateOptions& options) {
+  verb.add_option("recording", options.recording,
+                  "tracker CSV, PLUS .igs.mha, NDI CSV, marker CSV, or MR coil text (a file or its folder)")
+      ->required();
+  verb.add_option("--catheter", options.catheter, "catheter file (TOML)")->required();
+  verb.add_option("--out", options.out, "estimate CSV to write")->required();
+  verb.add_option("--tendon", options.tendon, "tendon CSV: moment or tension over time");
+  verb.add_option("--method", options.method, "ekf, iekf or iaekf, instead of the catheter file's");
+  verb.add_option("--measurement", options.measurement, "poses or tip_and_curvature, instead of the catheter file's");
+  verb.add_option("--state", options.state, "what is estimated: force");
+  verb.add_option("--reference", options.reference,
+                  "FROM:TO in seconds without tip force: corrects base and precurvature");
+  verb.add_option("--plot", options.plot, "draw force and 95 % band over time (.svg or .png)");
+  verb.add_flag("--smooth", options.smooth, "use later frames as well (not in this version)");
+  verb.add_flag("--strict", options.strict, "make every reading that would be passed over an error");
+  verb.add_flag("--json", options.json, "print the summary as JSON");
+  verb.footer(
+      "Example: palpate estimate --catheter catheter.toml run.tracker.csv --out run.estimate.csv --plot run.svg");
+}
+
+}  // namespace palpate::app
