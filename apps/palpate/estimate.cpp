@@ -62,6 +62,10 @@ int run(const EstimateOptions& options) {
   }
   if (!options.plot.empty()) report.plot(options.plot, catheter.name);
   writer.commit();
+  if (2 * report.frames_used() < recording.frames.size())
+    file.warnings.push_back(
+        fmt::format("{}: only {} of {} frames could be used: is it of this catheter, base and sensors?",
+                    options.recording, report.frames_used(), recording.frames.size()));
   for (const std::string& warning : file.warnings) fmt::print(stderr, "palpate: warning: {}\n", warning);
   report.print(catheter, file.observer, options.out, options.json);
   return 0;

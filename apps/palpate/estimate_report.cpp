@@ -23,6 +23,22 @@ std::string to_text(const Vector3d& v, int digits) {
   return fmt::format("({:.{}f}, {:.{}f}, {:.{}f})", v.x(), digits, v.y(), digits, v.z(), digits);
 }
 
+/// The band of frames not used grows without end. Where it leaves what the others need it is left out: cut off it would
+/// look like a bound, whole it would flatten the rest of the picture.
+void leave_out_wide_bands(const std::vector<bool>& updated, plot::Series& force) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (std::size_t i = 0; i < updated.size(); ++i) {
+    if (!updated[i]) continue;
+    low = std::min(low, force.lower[i]);
+    high = std::max(high, force.upper[i]);
+  }
+  if (!(low < high)) return;
+  const double room = 0.25 * (high - low);
+  for (std::size_t i = 0; i < updated.size(); ++i)
+    if (!updated[i] && (force.lower[i] < low - room || force.upper[i] > high + room))
+      force.lower[i] = force.upper[i] = kNaN;
+}
+
 }  // namespace
 
 void EstimateReport::add(const Estimate& estimate, std::size_t readings) {
@@ -39,7 +55,7 @@ void EstimateReport::plot(const std::string& path, const std::string& title) con
   const bool any_held = std::find(updated_.begin(), updated_.end(), false) != updated_.end();
   for (int axis = 0; axis < 3; ++axis) {
     plot::Series force{.label = "estimate", .x = times_s_, .band_label = "95 % interval"};
-    plot::Series held{.label = "predicted: frame not used", .x = times_s_, .style = plot::Style::kPoints};
+    plot::Series held{.label = "predicted, not measured", .x = times_s_, .style = plot::Style::kPoints};
     for (std::size_t i = 0; i < times_s_.size(); ++i) {
       const double value_N = force_N_[i](axis), half_width_N = 1.959964 * sigma_N_[i](axis);
       force.y.push_back(value_N);
@@ -47,6 +63,7 @@ void EstimateReport::plot(const std::string& path, const std::string& title) con
       force.upper.push_back(value_N + half_width_N);
       held.y.push_back(updated_[i] ? kNaN : value_N);
     }
+    leave_out_wide_bands(updated_, force);
     plot::Panel panel{.x_label = "time [s]", .y_label = labels[axis], .series = {std::move(force)}};
     if (any_held) panel.series.push_back(std::move(held));
     figure.panels.push_back(std::move(panel));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <palpate/evaluation/run_summary.hpp>
 #include <palpate/identification/tare.hpp>
@@ -18,6 +19,9 @@ class EstimateReport {
 
   void set_tare(const Tare& tare) { tare_ = tare; }
   void add(const Estimate& estimate, std::size_t readings);
+  std::size_t frames_used() const {
+    return static_cast<std::size_t>(std::count(updated_.begin(), updated_.end(), true));
+  }
   /// Force and its 95 % band over time, one panel an axis. Throws InputError where it cannot be drawn.
   void plot(const std::string& path, const std::string& title) const;
   void print(const Catheter& catheter, const ObserverOptions& options, const std::string& out, bool json);

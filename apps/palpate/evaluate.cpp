@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -32,7 +33,9 @@ Vector3d read_bound(const std::string& path, const std::string& recording) {
     throw InputError(fmt::format("{}: no entry \"{}\": expected the name of a recording in this file (--recording)",
                                  path, recording));
   const auto bound = entry->find("rms_bound_tip_frame_N");
-  if (bound == entry->end() || !bound->is_array() || bound->size() != 3)
+  const auto is_number = [](const nlohmann::json& value) { return value.is_number(); };
+  if (bound == entry->end() || !bound->is_array() || bound->size() != 3 ||
+      !std::all_of(bound->begin(), bound->end(), is_number))
     throw InputError(fmt::format("{}: {}: expected \"rms_bound_tip_frame_N\" with three numbers", path, recording));
   return {bound->at(0).get<double>(), bound->at(1).get<double>(), bound->at(2).get<double>()};
 }

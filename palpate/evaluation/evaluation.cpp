@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <palpate/evaluation/evaluation.hpp>
 #include <palpate/math/errors.hpp>
 
@@ -13,13 +14,21 @@ bool was_updated(EstimateStatus status) {
   return status == EstimateStatus::kUpdated || status == EstimateStatus::kReseeded || status == EstimateStatus::kAmbiguous;
 }
 
+/// Of the first frame that has a time at all; NaN where none has.
+double first_time_s(std::span<const EstimateRow> estimate) {
+  for (const EstimateRow& row : estimate)
+    if (std::isfinite(row.time_s)) return row.time_s;
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
 }  // namespace
 
 Evaluation evaluate(std::span<const EstimateRow> estimate, const ForceTrace& truth, double skip_s) {
   Evaluation out;
   Eigen::Array3d sum = Eigen::Array3d::Zero(), squares = sum, largest = sum, inside_95 = sum, inside_3 = sum;
+  const double first_s = first_time_s(estimate);
   for (const EstimateRow& row : estimate) {
-    if (!(row.time_s >= estimate.front().time_s + skip_s)) continue;
+    if (!(row.time_s >= first_s + skip_s)) continue;
     const ForceTrace::Sample sample = truth.interpolate(row.time_s);
     if (!sample.inside) {
       ++out.outside_truth;

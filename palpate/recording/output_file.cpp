@@ -28,7 +28,7 @@ std::filesystem::path behind_links(const std::filesystem::path& target) {
 
 }  // namespace
 
-OutputFile::OutputFile(const std::filesystem::path& target) : target_(behind_links(target)) {
+OutputFile::OutputFile(const std::filesystem::path& target) : name_(target.string()), target_(behind_links(target)) {
   std::error_code ignored;
   const auto status = std::filesystem::status(target_, ignored);
   const bool in_place = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
@@ -66,7 +66,7 @@ void OutputFile::commit() {
 }
 
 void OutputFile::fail(int error) const {
-  throw InputError(fmt::format("{}: cannot be written: {}", target_.string(), std::strerror(error)));
+  throw InputError(fmt::format("{}: cannot be written: {}", name_, std::strerror(error)));
 }
 
 void OutputFile::discard() noexcept {

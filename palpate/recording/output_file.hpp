@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace palpate {
@@ -25,6 +26,7 @@ class OutputFile {
   [[noreturn]] void fail(int error) const;
   void discard() noexcept;
 
+  std::string name_;  ///< the path as given
   std::filesystem::path target_;
   std::filesystem::path temporary_;  ///< empty: the target is written directly
   std::FILE* stream_ = nullptr;

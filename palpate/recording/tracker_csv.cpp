@@ -45,7 +45,8 @@ SensorReading read_pose(const CsvReader& csv, const Columns& columns) {
   reading.status = SensorReading::Status::kOk;
   reading.has_orientation = !is_point(csv, columns);
   if (reading.has_orientation) reading.quaternion_wxyz = {pose(0), pose(1), pose(2), pose(3)};
-  reading.position_m = position_from_millimetres(pose(4), pose(5), pose(6));
+  const std::array<double, 3> t_mm = {pose(4), pose(5), pose(6)};  // in order: the first wrong field is named
+  reading.position_m = position_from_millimetres(t_mm[0], t_mm[1], t_mm[2]);
   if (columns.error && !csv.text(*columns.error).empty()) {
     reading.error_m = csv.number(*columns.error) * kMetresPerMillimetre;
   }

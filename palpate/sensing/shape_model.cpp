@@ -164,7 +164,7 @@ void ShapeModel::add_base_noise(ResidualMatrix& R) const {
   for (int k = 0; k < selected_count_; ++k) {
     const Pose& T = selected_[k].measured->T_base_sensor;
     const int first = selected_[k].first, turns = rows_of(catheter_.sensors[selected_[k].measured->sensor].kind) - 3;
-    B.block<3, 3>(first, 0) = -mount.R * base.noise_m.asDiagonal();
+    B.block<3, 3>(first, 0).diagonal() = -base.noise_m;  // along the base axes, as for every sensor
     B.block<3, 3>(first, 3) = hat(T.p - mount.p) * mount.R * base.noise_rad;
     B.block(first + 3, 3, turns, 3) = (-T.R.transpose() * mount.R * base.noise_rad).topRows(turns);
   }

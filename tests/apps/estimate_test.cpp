@@ -42,6 +42,7 @@ TEST_F(Estimate, EveryFrameIsARowWithAConsistentSigma) {
   EXPECT_EQ(run.err, "");
   EXPECT_TRUE(run.out.starts_with("1200 frames, 0.000 s to 29.975 s, iekf on poses\n")) << run.out;
   EXPECT_TRUE(run.out.ends_with("written: e.csv\n")) << run.out;
+  EXPECT_EQ(run.out.find_first_of("\r\x1b"), std::string::npos);  // a pipe gets no progress and no colours
   const std::string text = contents(path("e.csv"));
   EXPECT_EQ(text.substr(0, text.find('\n')), kHeader);
   const auto rows = table();

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <cstdlib>
-#include <memory>
 #include <tests/observer/allocation_counter.hpp>
 #include <tests/observer/runs.hpp>
 
@@ -22,7 +21,9 @@ std::size_t allocations_of(const Action& action) {
 
 TEST(CountAllocations, SeesNewMallocAndEigen) {
   EXPECT_EQ(allocations_of([] {}), 0U);
-  EXPECT_GE(allocations_of([] { std::make_unique<int>(3).swap(*std::make_unique<std::unique_ptr<int>>()); }), 1U);
+  int* volatile number = nullptr;
+  EXPECT_GE(allocations_of([&] { number = new int(3); }), 1U);
+  delete number;
   void* volatile block = nullptr;
   EXPECT_GE(allocations_of([&] { block = std::malloc(64); }), 1U);
   std::free(block);

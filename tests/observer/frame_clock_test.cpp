@@ -13,7 +13,9 @@ void expect(const FrameClock::Step& step, FrameTime verdict, double dt_s) {
   const bool accepted =
       verdict == FrameTime::kFirst || verdict == FrameTime::kAdvanced || verdict == FrameTime::kResynchronised;
   EXPECT_EQ(step.accepted(), accepted);
-  if (!accepted) EXPECT_EQ(step.dt_s, 0.0);
+  if (!accepted) {
+    EXPECT_EQ(step.dt_s, 0.0);
+  }
 }
 
 TEST(FrameClock, FirstFrameTakesNoTimeWhateverItsStamp) {

@@ -72,6 +72,16 @@ TEST_F(TrackerCsv, NumbersThatAreNotFinitePassOn) {
   EXPECT_EQ(r.frames[0].readings[0].status, SensorReading::Status::kOk);
 }
 
+TEST_F(TrackerCsv, RowsWithoutQuaternionArePoints) {
+  const auto r = read("0,0,tip,OK,,,,,1,2,3,\n0,0,shaft,OK,1,0,0,0,4,5,6,\n");
+  EXPECT_EQ(r.frames[0].readings[0].status, SensorReading::Status::kOk);
+  EXPECT_FALSE(r.frames[0].readings[0].has_orientation);
+  EXPECT_EQ(r.frames[0].readings[0].position_m, Eigen::Vector3d(0.001, 0.002, 0.003));
+  EXPECT_TRUE(r.frames[0].readings[1].has_orientation);
+  EXPECT_EQ(error("0,0,tip,OK,1,,,,1,2,3,\n"), "r.csv:2: field qx: value '': expected a number");
+  EXPECT_EQ(error("0,0,tip,OK,,,,,,,,\n"), "r.csv:2: field tx_mm: value '': expected a number");
+}
+
 TEST_F(TrackerCsv, FirstOfDuplicateRowsIsKept) {
   const auto r = read(
       "0,0,tip,OK,1,0,0,0,1,2,3,\n0,0,tip,OK,1,0,0,0,9,9,9,\n0,0,tip,MISSING,,,,,,,,\n0.1,1,tip,OK,1,0,0,0,4,5,6,\n"
@@ -79,6 +89,7 @@ TEST_F(TrackerCsv, FirstOfDuplicateRowsIsKept) {
   EXPECT_EQ(r.frames.size(), 2u);
   EXPECT_EQ(r.duplicate_rows, 3u);
   EXPECT_EQ(r.frames[0].readings[0].position_m.x(), 0.001);
+  EXPECT_EQ(r.first_duplicate, "frame 0 at 0 s: sensor \"tip\": a second row");
   EXPECT_EQ(r.notes, std::vector<std::string>{"line 6: frame 0 comes again with another time; counted as a duplicate"});
 }
 
