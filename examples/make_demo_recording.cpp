@@ -60,7 +60,8 @@ int main(int argc, char** argv) {
         catheter, palpate::beating_wall_force,
         {.rate_hz = 40.0, .duration_s = 30.0, .seed = 7, .missing_share = 0.02, .outlier_share = 0.005});
     palpate::write_tracker_csv(folder / "demo.tracker.csv", catheter, recording.frames);
-    palpate::write_force_csv(folder / "demo.force.csv", recording.frames, recording.force_tip_N, recording.force_base_N);
+    palpate::write_force_csv(folder / "demo.force.csv", recording.frames, recording.force_tip_N,
+                             recording.force_base_N);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "make_demo_recording: %s\n", error.what());
     return 2;

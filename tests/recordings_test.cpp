@@ -9,8 +9,8 @@
 #include <palpate/recording/tracker_recording.hpp>
 #include <tests/shared_data.hpp>
 
-/// The observer with its defaults on recordings that another program made, held against the Cramer-Rao bound of a single
-/// frame. Says how good the estimate is, and whether its covariance is true.
+/// The observer with its defaults on recordings that another program made, held against the Cramer-Rao bound of a
+/// single frame. Says how good the estimate is, and whether its covariance is true.
 namespace palpate {
 namespace {
 
@@ -20,7 +20,9 @@ nlohmann::json load(const char* name) {
   return nlohmann::json::parse(std::ifstream(test::shared_data(kFolder) / name));
 }
 
-Vector3d vector3(const nlohmann::json& j) { return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()}; }
+Vector3d vector3(const nlohmann::json& j) {
+  return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
+}
 
 Catheter catheter_of(const nlohmann::json& j) {
   const auto number = [&](const char* key) { return j.at(key).get<double>(); };
@@ -38,7 +40,8 @@ Catheter catheter_of(const nlohmann::json& j) {
   }
   const auto& base = j.at("base_in_tracker");
   const auto& q = base.at("quaternion_wxyz");
-  const Eigen::Quaterniond turn(q.at(0).get<double>(), q.at(1).get<double>(), q.at(2).get<double>(), q.at(3).get<double>());
+  const Eigen::Quaterniond turn(q.at(0).get<double>(), q.at(1).get<double>(), q.at(2).get<double>(),
+                                q.at(3).get<double>());
   catheter.base.T_tracker_base = {turn.normalized().toRotationMatrix(),
                                   vector3(base.at("position_mm")) * kMetresPerMillimetre};
   return catheter;
@@ -69,8 +72,9 @@ TEST_P(Recordings, ForceIsFollowedAndTheCovarianceIsTrue) {
   const Evaluation e = evaluate(rows, read_force_csv(test::shared_data(kFolder) / (name + ".force.csv")));
   const Vector3d bound_N = vector3(load("bounds.json").at(name).at("rms_bound_tip_frame_N"));
   const Vector3d ratio = e.rmse_N.cwiseQuotient(bound_N), inside = 100.0 * e.inside_3_sigma;
-  fmt::print("{}: {} frames, {} updated; RMSE/bound {:.4f} {:.4f} {:.4f}; in 3 sigma {:.2f} {:.2f} {:.2f} %; NEES {:.3f}\n",
-             name, e.frames, e.updated, ratio.x(), ratio.y(), ratio.z(), inside.x(), inside.y(), inside.z(), e.mean_nees);
+  fmt::print(
+      "{}: {} frames, {} updated; RMSE/bound {:.4f} {:.4f} {:.4f}; in 3 sigma {:.2f} {:.2f} {:.2f} %; NEES {:.3f}\n",
+      name, e.frames, e.updated, ratio.x(), ratio.y(), ratio.z(), inside.x(), inside.y(), inside.z(), e.mean_nees);
   EXPECT_EQ(e.outside_truth, 0U);
   EXPECT_GE(e.inside_3_sigma.minCoeff(), 0.99);
   EXPECT_GE(e.mean_nees, 2.4);

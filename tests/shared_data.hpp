@@ -13,6 +13,6 @@ inline std::filesystem::path shared_data(const char* relative) {
 }  // namespace palpate::test
 
 /// First line of a test that needs a file or folder of the shared data.
-#define PALPATE_NEEDS_SHARED(relative)                                  \
-  if (!std::filesystem::exists(palpate::test::shared_data(relative)))   \
+#define PALPATE_NEEDS_SHARED(relative)                                \
+  if (!std::filesystem::exists(palpate::test::shared_data(relative))) \
   GTEST_SKIP() << "shared data absent: " << palpate::test::shared_data(relative)

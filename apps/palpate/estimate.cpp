@@ -51,6 +51,10 @@ int run(const EstimateOptions& options) {
   if (options.strict) refuse_passed_over_rows(recording);
 
   EstimateReport report(recording);
+  if (!options.average.empty()) {
+    const TimeSpan span = parse_time_span("--average", options.average);
+    report.set_average(span.from_s, span.to_s);
+  }
   const Catheter catheter = corrected_catheter(file, recording, report);
   ForceObserver observer(catheter, file.observer);
   EstimateCsvWriter writer(options.out);

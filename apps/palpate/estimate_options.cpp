@@ -46,28 +46,6 @@ std::string_view name_in(const Names& known, Enum value) {
   return "";
 }
 
-/// "FROM:TO" in seconds.
-void parse_reference(const std::string& text, ReferenceInterval& reference) {
-  if (text.empty()) return;
-  const auto refuse = [&](const char* expected) {
-    throw InputError(fmt::format("--reference {}: expected {}", text, expected));
-  };
-  const auto number = [&](std::string_view part) {
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-    if (error != std::errc() || end != part.data() + part.size() || !std::isfinite(value))
-      refuse("FROM:TO in seconds, as 0:2");
-    return value;
-  };
-  const std::string_view whole = text;
-  const std::size_t colon = whole.find(':');
-  if (colon == std::string_view::npos) refuse("FROM:TO in seconds, as 0:2");
-  reference.from_s = number(whole.substr(0, colon));
-  reference.to_s = number(whole.substr(colon + 1));
-  if (!(reference.to_s > reference.from_s)) refuse("an end after the beginning");
-  reference.given = true;
-}
-
 void refuse_same_file(const char* flag, const std::string& output, const std::string& other, const char* what) {
   if (output.empty() || other.empty()) return;
   std::error_code ignored;
@@ -88,6 +66,25 @@ void refuse_absent_folder(const char* flag, const std::string& output) {
 std::string_view name_of(Method method) { return name_in(kMethods, method); }
 std::string_view name_of(MeasurementKind kind) { return name_in(kMeasurements, kind); }
 
+TimeSpan parse_time_span(std::string_view flag, const std::string& text) {
+  const auto refuse = [&](const char* expected) {
+    throw InputError(fmt::format("{} {}: expected {}", flag, text, expected));
+  };
+  const auto number = [&](std::string_view part) {
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    if (error != std::errc() || end != part.data() + part.size() || !std::isfinite(value))
+      refuse("FROM:TO in seconds, as 0:2");
+    return value;
+  };
+  const std::string_view whole = text;
+  const std::size_t colon = whole.find(':');
+  if (colon == std::string_view::npos) refuse("FROM:TO in seconds, as 0:2");
+  const TimeSpan span{number(whole.substr(0, colon)), number(whole.substr(colon + 1))};
+  if (!(span.to_s > span.from_s)) refuse("an end after the beginning");
+  return span;
+}
+
 void check_paths(const EstimateOptions& options) {
   for (const auto& [name, path] :
        {std::pair{"recording", &options.recording}, {"--catheter", &options.catheter}, {"--out", &options.out}})
@@ -106,14 +103,18 @@ void check_paths(const EstimateOptions& options) {
 
 void apply_options(const EstimateOptions& options, CatheterFile& file) {
   ObserverOptions& observer = file.observer;
-  if (observer.method == Method::kUkf) observer.method = Method::kIekf;  // as the file's warning says
   choose("--method", options.method, kMethods, observer.method);
   choose("--measurement", options.measurement, kMeasurements, observer.measurement);
   if (!options.state.empty() && options.state != "force")
     throw InputError(fmt::format(
         "--state {}: expected force; stiffness and precurvature are not estimated by this version", options.state));
   if (options.smooth) throw InputError("--smooth: not available in this version; leave it out for the online estimate");
-  parse_reference(options.reference, file.reference);
+  if (!options.reference.empty()) {
+    const TimeSpan span = parse_time_span("--reference", options.reference);
+    file.reference.from_s = span.from_s;
+    file.reference.to_s = span.to_s;
+    file.reference.given = true;
+  }
   observer.report_convergence_index = true;
 }
 
@@ -129,6 +130,8 @@ void add_estimate_options(CLI::App& verb, EstimateOptions& options) {
   verb.add_option("--state", options.state, "what is estimated: force");
   verb.add_option("--reference", options.reference,
                   "FROM:TO in seconds without tip force: corrects base and precurvature");
+  verb.add_option("--average", options.average,
+                  "FROM:TO in seconds of a load at rest: adds its mean force to the summary");
   verb.add_option("--plot", options.plot, "draw force and 95 % band over time (.svg or .png)");
   verb.add_flag("--smooth", options.smooth, "use later frames as well (not in this version)");
   verb.add_flag("--strict", options.strict, "make every reading that would be passed over an error");

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <palpate/math/units.hpp>
@@ -39,10 +40,25 @@ void leave_out_wide_bands(const std::vector<bool>& updated, plot::Series& force)
       force.lower[i] = force.upper[i] = kNaN;
 }
 
+nlohmann::json average_json(const ForceAverage& average, const Catheter& catheter) {
+  nlohmann::json json{{"from_s", average.from_s()}, {"to_s", average.to_s()}, {"frames", average.frames()}};
+  if (average.frames() == 0) return json;
+  const Matrix3d covariance = average.covariance_base_N2();
+  json["force_tip_N"] = to_array(average.force_tip_N());
+  json["force_base_N"] = to_array(average.force_base_N());
+  json["sigma_base_N"] = to_array(covariance.diagonal().cwiseSqrt());
+  if (!catheter.rod.has_distributed_load()) return json;
+  const Vector3d down = catheter.rod.distributed_load_base_N_per_m.normalized();
+  json["along_gravity_N"] = down.dot(average.force_base_N());
+  json["along_gravity_sigma_N"] = std::sqrt(down.dot(covariance * down));
+  return json;
+}
+
 }  // namespace
 
 void EstimateReport::add(const Estimate& estimate, std::size_t readings) {
   summary_.add(estimate, readings);
+  if (average_) average_->add(estimate);
   times_s_.push_back(estimate.time_s);
   force_N_.push_back(estimate.force_tip_N);
   sigma_N_.push_back(estimate.covariance_tip_N2.diagonal().cwiseSqrt());
@@ -80,6 +96,7 @@ void EstimateReport::print(const Catheter& catheter, const ObserverOptions& opti
   print_counts(summary);
   print_tare();
   print_figures(summary);
+  print_average(catheter);
   fmt::print("written: {}\n", out);
 }
 
@@ -121,6 +138,20 @@ void EstimateReport::print_figures(const RunSummary& s) const {
   fmt::print("rod solutions a frame: median {:.0f}, most {}\n", s.median_evaluations, s.most_evaluations);
 }
 
+void EstimateReport::print_average(const Catheter& catheter) const {
+  if (!average_) return;
+  fmt::print("mean over {} to {} s, {} frames", average_->from_s(), average_->to_s(), average_->frames());
+  if (average_->frames() == 0) return fmt::print(": none was used\n");
+  const Matrix3d covariance = average_->covariance_base_N2();
+  const Vector3d force_base = average_->force_base_N();
+  fmt::print("; base components {} N, sigma {} N\n", to_text(force_base, 4),
+             to_text(covariance.diagonal().cwiseSqrt(), 4));
+  if (!catheter.rod.has_distributed_load()) return;
+  const Vector3d down = catheter.rod.distributed_load_base_N_per_m.normalized();
+  fmt::print("  along gravity {:.4f} N, sigma {:.4f} N; size {:.4f} N\n", down.dot(force_base),
+             std::sqrt(down.dot(covariance * down)), force_base.norm());
+}
+
 void EstimateReport::print_json(const RunSummary& s, const Catheter& catheter, const ObserverOptions& options,
                                 const std::string& out) const {
   nlohmann::json json{
@@ -159,6 +190,7 @@ void EstimateReport::print_json(const RunSummary& s, const Catheter& catheter, c
                     {"precurvature_change_per_m", to_array(tare_->precurvature_change_per_m)},
                     {"residual_before_mm", tare_->residual_before_m * kMillimetresPerMetre},
                     {"residual_after_mm", tare_->residual_after_m * kMillimetresPerMetre}};
+  if (average_) json["average"] = average_json(*average_, catheter);
   fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <palpate/evaluation/force_average.hpp>
 #include <palpate/evaluation/run_summary.hpp>
 #include <palpate/identification/tare.hpp>
 #include <palpate/observer/options.hpp>
@@ -18,6 +19,7 @@ class EstimateReport {
   explicit EstimateReport(const TrackerRecording& recording) : recording_(recording) {}
 
   void set_tare(const Tare& tare) { tare_ = tare; }
+  void set_average(double from_s, double to_s) { average_.emplace(from_s, to_s); }
   void add(const Estimate& estimate, std::size_t readings);
   std::size_t frames_used() const {
     return static_cast<std::size_t>(std::count(updated_.begin(), updated_.end(), true));
@@ -30,11 +32,13 @@ class EstimateReport {
   void print_counts(const RunSummary& summary) const;
   void print_tare() const;
   void print_figures(const RunSummary& summary) const;
+  void print_average(const Catheter& catheter) const;
   void print_json(const RunSummary& summary, const Catheter& catheter, const ObserverOptions& options,
                   const std::string& out) const;
 
   const TrackerRecording& recording_;
   std::optional<Tare> tare_;
+  std::optional<ForceAverage> average_;
   RunSummaryBuilder summary_;
   std::vector<double> times_s_;
   std::vector<Vector3d> force_N_, sigma_N_;

@@ -14,7 +14,7 @@ namespace palpate {
 template <class M>
 concept MeasurementModel = requires(M& model, const StateVector& x, Linearization& at, ResidualMatrix& noise) {
   { model.rows() } -> std::convertible_to<int>;
-  { model.noise(noise) };                             ///< covariance of the residual, rows x rows
+  {model.noise(noise)};                              ///< covariance of the residual, rows x rows
   { model.linearize(x, at) } -> std::same_as<bool>;  ///< false: no finite solution at x
 };
 
@@ -41,9 +41,9 @@ struct Update {
   double chi_square = 0.0;           ///< twice the MAP cost at the posterior; for a linear model nu^T S^-1 nu, the NIS
   double residual_chi_square = 0.0;  ///< the measurement's share of it: r^T R^-1 r, post-fit
   int rows = 0;
-  int evaluations = 0;               ///< of the model
-  ResidualVector innovation;         ///< residual where the search began: at the prior mean, unless told otherwise
-  Linearization at;                  ///< at the posterior mean, but for a last step below the tolerance
+  int evaluations = 0;        ///< of the model
+  ResidualVector innovation;  ///< residual where the search began: at the prior mean, unless told otherwise
+  Linearization at;           ///< at the posterior mean, but for a last step below the tolerance
 };
 
 namespace detail {

@@ -11,7 +11,8 @@ namespace palpate {
 namespace {
 
 bool was_updated(EstimateStatus status) {
-  return status == EstimateStatus::kUpdated || status == EstimateStatus::kReseeded || status == EstimateStatus::kAmbiguous;
+  return status == EstimateStatus::kUpdated || status == EstimateStatus::kReseeded ||
+         status == EstimateStatus::kAmbiguous;
 }
 
 /// Of the first frame that has a time at all; NaN where none has.

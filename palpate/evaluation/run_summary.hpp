@@ -16,11 +16,11 @@ struct RunSummary {
   std::array<std::size_t, kRejections> readings_by_reason{};  ///< kNone: readings that were used or usable
   std::size_t time_stood_still = 0, time_stepped_back = 0, time_not_finite = 0, clock_resynchronised = 0;
 
-  Vector3d mean_force_tip_N = Vector3d::Zero();     ///< over updated frames
-  Vector3d median_sigma_N = Vector3d::Zero();       ///< over updated frames
+  Vector3d mean_force_tip_N = Vector3d::Zero();  ///< over updated frames
+  Vector3d median_sigma_N = Vector3d::Zero();    ///< over updated frames
   Vector3d last_force_tip_N = Vector3d::Zero(), last_force_base_N = Vector3d::Zero(), last_sigma_N = Vector3d::Zero();
   double largest_force_N = 0.0;
-  double mean_nis_per_dof = 0.0;                    ///< 1 where prediction and noise are as claimed
+  double mean_nis_per_dof = 0.0;                           ///< 1 where prediction and noise are as claimed
   double mean_rho_paper = 0.0, mean_rho_normalised = 0.0;  ///< convergence index, section 4.2 of the paper
   double median_evaluations = 0.0;
   int most_evaluations = 0;

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
-
 #include <cmath>
 #include <palpate/estimation/kalman.hpp>
 #include <palpate/identification/tare.hpp>
@@ -218,8 +217,10 @@ Tare tare(const Catheter& catheter, std::span<const TrackerFrame> frames, const 
   Update update;
   iterated_update(model, prior, prior.mean, {.max_iterations = 50, .step_tolerance = 1e-4}, update);
   if (update.status != UpdateStatus::kConverged)
-    throw InputError(fmt::format("reference {}:{} s: no base and precurvature near the stated ones explain the poses; "
-                                 "is the shaft really unloaded there?", interval.from_s, interval.to_s));
+    throw InputError(
+        fmt::format("reference {}:{} s: no base and precurvature near the stated ones explain the poses; "
+                    "is the shaft really unloaded there?",
+                    interval.from_s, interval.to_s));
   hold_fixed(prior, update.posterior);
   correct(out, update.posterior, interval.straight);
   model.linearize(update.posterior.mean, at);

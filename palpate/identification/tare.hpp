@@ -10,14 +10,15 @@ namespace palpate {
 
 struct TareInterval {
   double from_s = 0.0, to_s = 0.0;
-  bool straight = false;  ///< held straight by hand: no bend at all; otherwise unloaded: precurvature and own weight act
+  bool straight =
+      false;  ///< held straight by hand: no bend at all; otherwise unloaded: precurvature and own weight act
 };
 
 struct Tare {
-  Catheter catheter;  ///< the corrected one, with the sigmas that remain
-  int frames = 0;     ///< that were averaged
-  Vector3d base_shift_m = Vector3d::Zero();             ///< of the clamp, in the old base frame
-  Vector3d base_rotation_rad = Vector3d::Zero();        ///< rotation vector, in the old base frame
+  Catheter catheter;                              ///< the corrected one, with the sigmas that remain
+  int frames = 0;                                 ///< that were averaged
+  Vector3d base_shift_m = Vector3d::Zero();       ///< of the clamp, in the old base frame
+  Vector3d base_rotation_rad = Vector3d::Zero();  ///< rotation vector, in the old base frame
   Vector3d precurvature_change_per_m = Vector3d::Zero();
   double residual_before_m = 0.0, residual_after_m = 0.0;  ///< rms over the sensors' positions
 };

@@ -39,8 +39,8 @@ inline Vector3d log_so3(const Matrix3d& R) {
 inline Matrix3d inverse_left_jacobian(const Vector3d& phi) {
   const double angle = phi.norm();
   const Matrix3d H = hat(phi);
-  const double c = angle < 1e-4 ? 1.0 / 12.0 + angle * angle / 720.0
-                                : 1.0 / (angle * angle) - 0.5 / (angle * std::tan(0.5 * angle));
+  const double c =
+      angle < 1e-4 ? 1.0 / 12.0 + angle * angle / 720.0 : 1.0 / (angle * angle) - 0.5 / (angle * std::tan(0.5 * angle));
   return Matrix3d::Identity() - 0.5 * H + c * H * H;
 }
 

@@ -29,16 +29,17 @@ struct Estimate {
   double time_s = 0.0;
   EstimateStatus status = EstimateStatus::kHeld;
   FrameTime time = FrameTime::kFirst;
-  Vector3d force_tip_N = Vector3d::Zero();        ///< of the tissue on the tip, axes d1, d2, d3 at the flexible end
+  Vector3d force_tip_N = Vector3d::Zero();  ///< of the tissue on the tip, axes d1, d2, d3 at the flexible end
   Matrix3d covariance_tip_N2 = Matrix3d::Zero();
-  Vector3d force_base_N = Vector3d::Zero();       ///< the same force in the clamp's frame
-  unsigned used = 0;                              ///< bit i: Catheter::sensors[i] was used
+  Vector3d force_base_N = Vector3d::Zero();    ///< the same force in the clamp's frame
+  Matrix3d R_base_tip = Matrix3d::Identity();  ///< turns one into the other: R P R^T is the covariance in the base
+  unsigned used = 0;                           ///< bit i: Catheter::sensors[i] was used
   int sensors_used = 0;
-  double nis = 0.0;                               ///< normalised innovation squared, at the posterior's optimum
-  int dof = 0;                                    ///< its degrees of freedom; 0 where nothing was used
-  ResidualVector innovation;                      ///< y (-) h(prediction): rows as sensing/sensor_model.hpp; empty if unused
-  int evaluations = 0;                            ///< integrations of the rod
-  ConvergenceIndex convergence;                   ///< where ObserverOptions asks for it
+  double nis = 0.0;              ///< normalised innovation squared, at the posterior's optimum
+  int dof = 0;                   ///< its degrees of freedom; 0 where nothing was used
+  ResidualVector innovation;     ///< y (-) h(prediction): rows as sensing/sensor_model.hpp; empty if unused
+  int evaluations = 0;           ///< integrations of the rod
+  ConvergenceIndex convergence;  ///< where ObserverOptions asks for it
   std::array<Rejection, kMaxSensors + 1> rejections{};  ///< of each reading; the base sensor's last
 };
 

@@ -40,6 +40,10 @@ EstimateStatus ForceObserver::explain_frame() {
   for (int k = 0; k < measurement_.count; ++k) present |= 1U << measurement_.poses[k].sensor;
   shape_.select(measurement_, present);
   if (shape_.rows() == 0) return EstimateStatus::kHeld;
+  if (options_.method == Method::kEkf) {
+    single_step(state_);
+    if (update_.status == UpdateStatus::kConverged && agrees_with_prediction()) return take(state_);
+  }
   if (fit(present, state_, state_.mean) && agrees_with_prediction()) return accept(state_);
   return explain_surprise(present);
 }
@@ -52,26 +56,33 @@ EstimateStatus ForceObserver::explain_surprise(unsigned present) {
   const StateVector no_force = StateVector::Zero(state_.mean.size());
   for (const StateVector* start : std::initializer_list<const StateVector*>{&state_.mean, &no_force})
     if (fit(present, anywhere, *start) && agrees_with_itself()) return accept(anywhere);
+  return explain_without_one_sensor(present, anywhere);
+}
 
-  const bool converged = update_.status == UpdateStatus::kConverged;
-  double least = std::numeric_limits<double>::infinity();
-  unsigned best_rest = 0;
-  const Gaussian* best_prior = nullptr;
+/// Leaves out each sensor in turn and keeps the best of the explanations that pass.
+EstimateStatus ForceObserver::explain_without_one_sensor(unsigned present, const Gaussian& anywhere) {
+  bool converged = update_.status == UpdateStatus::kConverged;
+  double least_misfit = std::numeric_limits<double>::infinity();
+  unsigned odd_one = 0;
+  const Gaussian* prior = nullptr;
   for (unsigned left = present; left != 0; left &= left - 1) {
-    const unsigned rest = present & ~(left & -left);
-    for (const Gaussian* prior : {&state_, &anywhere}) {
-      const bool agrees = fit(rest, *prior, state_.mean) && (prior == &state_ ? agrees_with_prediction() : agrees_with_itself());
-      if (!agrees) continue;
-      const double misfit = update_.chi_square / update_.rows;
-      if (misfit < least) least = misfit, best_rest = rest, best_prior = prior;
-      break;
-    }
+    const unsigned sensor = left & -left, rest = present & ~sensor;
+    const Gaussian* candidate = nullptr;
+    if (fit(rest, state_, state_.mean) && agrees_with_prediction())
+      candidate = &state_;
+    else if (fit(rest, anywhere, state_.mean) && agrees_with_itself())
+      candidate = &anywhere;
+    converged |= update_.status == UpdateStatus::kConverged;
+    const double misfit = update_.chi_square / update_.rows;
+    if (candidate == nullptr || misfit >= least_misfit) continue;
+    least_misfit = misfit;
+    odd_one = sensor;
+    prior = candidate;
   }
-  if (best_prior == nullptr) return converged ? EstimateStatus::kRejected : EstimateStatus::kNotConverged;
-  for (std::size_t i = 0; i < catheter_.sensors.size(); ++i)
-    if ((present & ~best_rest) >> i & 1U) measurement_.rejections[i] = Rejection::kOutlier;
-  fit(best_rest, *best_prior, state_.mean);
-  return accept(*best_prior);
+  if (prior == nullptr) return converged ? EstimateStatus::kRejected : EstimateStatus::kNotConverged;
+  measurement_.rejections[static_cast<std::size_t>(std::countr_zero(odd_one))] = Rejection::kOutlier;
+  fit(present & ~odd_one, *prior, state_.mean);
+  return accept(*prior);
 }
 
 bool ForceObserver::fit(unsigned sensors, const Gaussian& prior, const StateVector& start) {
@@ -90,11 +101,20 @@ bool ForceObserver::agrees_with_itself() const {
   return surplus > 0 && gate_.passes(update_.residual_chi_square, surplus);
 }
 
-/// Takes the latest fit into the state. The EKF does its single step on the sensors and the prior found good.
+/// The iterated fit has found sensors and prior good; the EKF then does its own single step on them.
 EstimateStatus ForceObserver::accept(const Gaussian& prior) {
+  if (options_.method == Method::kEkf) single_step(prior);
+  return update_.status == UpdateStatus::kConverged ? take(prior) : EstimateStatus::kNotConverged;
+}
+
+void ForceObserver::single_step(const Gaussian& prior) {
   AdaptedModel model{shape_, adaptation_ ? &*adaptation_ : nullptr};
-  if (options_.method == Method::kEkf) extended_update(model, prior, update_);
-  if (update_.status != UpdateStatus::kConverged) return EstimateStatus::kNotConverged;
+  extended_update(model, prior, update_);
+}
+
+/// Makes the latest update the state.
+EstimateStatus ForceObserver::take(const Gaussian& prior) {
+  AdaptedModel model{shape_, adaptation_ ? &*adaptation_ : nullptr};
   if (options_.report_convergence_index) {
     ResidualMatrix R;
     model.noise(R);
@@ -118,6 +138,7 @@ Estimate ForceObserver::report(double time_s, FrameTime time, EstimateStatus sta
   out.status = status;
   out.force_tip_N = state_.mean.head<3>();
   out.covariance_tip_N2 = state_.covariance.topLeftCorner<3, 3>();
+  out.R_base_tip = R_base_tip_;
   out.force_base_N = R_base_tip_ * out.force_tip_N;
   out.rejections = measurement_.rejections;
   out.evaluations = shape_.evaluations() - evaluations_before_;

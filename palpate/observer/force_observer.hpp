@@ -40,10 +40,13 @@ class ForceObserver {
   void predict(double dt_s);
   EstimateStatus explain_frame();
   EstimateStatus explain_surprise(unsigned present);
+  EstimateStatus explain_without_one_sensor(unsigned present, const Gaussian& anywhere);
   bool fit(unsigned sensors, const Gaussian& prior, const StateVector& start);
   bool agrees_with_prediction() const;
   bool agrees_with_itself() const;
+  void single_step(const Gaussian& prior);
   EstimateStatus accept(const Gaussian& prior);
+  EstimateStatus take(const Gaussian& prior);
   Estimate report(double time_s, FrameTime time, EstimateStatus status) const;
 
   Catheter catheter_;

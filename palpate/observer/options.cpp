@@ -15,6 +15,9 @@ void require(bool good, const char* field, double value, const char* range) {
 }  // namespace
 
 void ObserverOptions::validate() const {
+  if (method == Method::kUkf) throw InputError("observer options: method = kUkf: expected kEkf, kIekf or kIaekf");
+  if (force_model > ForceModel::kGaussMarkov)
+    throw InputError("observer options: force_model: expected kRandomWalk or kGaussMarkov");
   require(force_rate_N_per_sqrt_s > 0.0 && force_rate_N_per_sqrt_s <= 100.0, "force_rate_N_per_sqrt_s",
           force_rate_N_per_sqrt_s, "more than 0, at most 100");
   require(force_memory_s >= 1e-3 && force_memory_s <= 1e4, "force_memory_s", force_memory_s, "0.001..10000");

@@ -75,6 +75,7 @@ void read_choices(const TomlTable& table, ObserverOptions& options, std::vector<
       "method", {{"ekf", Method::kEkf}, {"iekf", Method::kIekf}, {"iaekf", Method::kIaekf}, {"ukf", Method::kUkf}},
       options.method);
   warn_not_acted_on(table, "method", options.method == Method::kUkf, "iekf is used", warnings);
+  if (options.method == Method::kUkf) options.method = Method::kIekf;
   options.measurement = table.choice<MeasurementKind>(
       "measurement", {{"poses", MeasurementKind::kPoses}, {"tip_and_curvature", MeasurementKind::kTipAndCurvature}},
       options.measurement);
@@ -86,12 +87,13 @@ void read_choices(const TomlTable& table, ObserverOptions& options, std::vector<
                                                  options.force_model);
   warn_not_acted_on(table, "force_model", options.force_model > ForceModel::kGaussMarkov, "random_walk is used",
                     warnings);
+  if (options.force_model > ForceModel::kGaussMarkov) options.force_model = ForceModel::kRandomWalk;
 }
 
 void read_estimator(const TomlTable& root, ObserverOptions& options, std::vector<std::string>& warnings) {
-  const auto table =
-      root.table("estimator", {"method", "measurement", "state", "force_model", "force_rate_N_per_sqrt_s", "force_memory_s",
-                               "initial_force_sigma_N", "max_iterations", "adaptation_window", "outlier_probability"});
+  const auto table = root.table(
+      "estimator", {"method", "measurement", "state", "force_model", "force_rate_N_per_sqrt_s", "force_memory_s",
+                    "initial_force_sigma_N", "max_iterations", "adaptation_window", "outlier_probability"});
   if (!table) return;
   read_choices(*table, options, warnings);
   read_state(*table, options, warnings);

@@ -161,9 +161,9 @@ void read_sensors(const TomlTable& root, Catheter& catheter, std::vector<std::st
   read_base(base, catheter.base);
   const double end_mm = (catheter.rod.length_m() + catheter.rod.rigid_tip_m) * kMillimetresPerMetre;
   std::vector<std::string> names;
-  for (const TomlTable& table :
-       root.tables("sensor", {"name", "kind", "arc_length_mm", "mount_quaternion_wxyz", "mount_position_mm",
-                              "mount_sigma_mm", "noise_mm", "noise_axes_mm", "noise_deg", "bias_mm", "bias_deg", "markers"})) {
+  for (const TomlTable& table : root.tables(
+           "sensor", {"name", "kind", "arc_length_mm", "mount_quaternion_wxyz", "mount_position_mm", "mount_sigma_mm",
+                      "noise_mm", "noise_axes_mm", "noise_deg", "bias_mm", "bias_deg", "markers"})) {
     place_sensor(table, read_sensor(table, catheter.base.sensor.name, end_mm, warnings), catheter, names);
   }
   if (catheter.sensors.empty()) root.refuse("sensor", "at least one [[sensor]] on the shaft");

@@ -10,7 +10,8 @@ namespace palpate {
 
 /// Writes frames as tracker CSV (formats: micrometres, 1e-6 in the quaternion), sensors named as in the catheter.
 /// Throws InputError where the file cannot be written.
-void write_tracker_csv(const std::filesystem::path& path, const Catheter& catheter, std::span<const TrackerFrame> frames);
+void write_tracker_csv(const std::filesystem::path& path, const Catheter& catheter,
+                       std::span<const TrackerFrame> frames);
 
 /// Writes true forces as force CSV. The spans are of one size. Throws InputError where the file cannot be written.
 void write_force_csv(const std::filesystem::path& path, std::span<const TrackerFrame> frames,

@@ -10,7 +10,8 @@
 namespace palpate {
 
 /// Writes one row for every frame. The header is part of the format contract:
-/// time_s, force (tip) [N], sigma [N], covariances [N^2], force (base) [N], status, sensors_used, nis, dof, evaluations.
+/// time_s, force (tip) [N], sigma [N], covariances [N^2], force (base) [N], status, sensors_used, nis, dof,
+/// evaluations.
 class EstimateCsvWriter {
  public:
   explicit EstimateCsvWriter(const std::filesystem::path& path);

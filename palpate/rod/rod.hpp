@@ -27,8 +27,8 @@ struct Section {
 /// Clamped elastic rod in its unloaded state: what does not change while it is watched.
 /// Base frame B: clamp at s = 0, e3 along the straight shaft. Local frame at s: columns d1, d2, d3 = tangent.
 struct Rod {
-  std::vector<Section> sections;  ///< from the clamp to the flexible end, without gaps
-  double rigid_tip_m = 0.0;       ///< stiff electrode beyond the flexible end
+  std::vector<Section> sections;                 ///< from the clamp to the flexible end, without gaps
+  double rigid_tip_m = 0.0;                      ///< stiff electrode beyond the flexible end
   Vector3d contact_offset_m = Vector3d::Zero();  ///< where the tip force acts, from the flexible end, local axes there
   double shear_stiffness_N = 0.0;                ///< kGA; 0 with axial 0: no shear, no stretch (Kirchhoff)
   double axial_stiffness_N = 0.0;                ///< EA

@@ -120,19 +120,19 @@ inline constexpr Tableau<12> kDormandPrince8{
 
 /// One step of `method` on a vector-space state; `field(s, y, dy)` writes the derivative. The stages are a loop, not
 /// unrolled code: the field is large, and twelve copies of it would neither run nor compile faster.
-template <const auto& method, class State, class Field>
-inline void runge_kutta_step(double s, double h, State& y, const Field& field) {
+template <const auto& method, class T, class State, class Field>
+inline void runge_kutta_step(const T& s, const T& h, State& y, const Field& field) {
   constexpr int stages = std::decay_t<decltype(method)>::stages;
   constexpr auto c = nodes(method);
   std::array<State, stages> k;
   for (int i = 0; i < stages; ++i) {
     State stage = y;
     for (int j = 0; j < i; ++j)
-      if (method.a[i][j] != 0.0) stage += (h * method.a[i][j]) * k[j];
-    field(s + c[i] * h, stage, k[i]);
+      if (method.a[i][j] != 0.0) stage += T(h * T(method.a[i][j])) * k[j];
+    field(T(s + T(c[i]) * h), stage, k[i]);
   }
   for (int i = 0; i < stages; ++i)
-    if (method.b[i] != 0.0) y += (h * method.b[i]) * k[i];
+    if (method.b[i] != 0.0) y += T(h * T(method.b[i])) * k[i];
 }
 
 }  // namespace palpate

@@ -20,12 +20,12 @@ enum class SensorKind {
 struct Sensor {
   std::string name;
   SensorKind kind = SensorKind::kPose;
-  double arc_length_m = 0.0;         ///< up to the flexible length plus the rigid tip; unused for the base sensor
-  Pose T_local_sensor;               ///< mounting: sensor axes and origin in the local frame (d1, d2, d3)
-  double mount_sigma_m = 0.0;        ///< of the mounting position, per axis
+  double arc_length_m = 0.0;   ///< up to the flexible length plus the rigid tip; unused for the base sensor
+  Pose T_local_sensor;         ///< mounting: sensor axes and origin in the local frame (d1, d2, d3)
+  double mount_sigma_m = 0.0;  ///< of the mounting position, per axis
   Vector3d noise_m = Vector3d::Constant(0.28e-3);  ///< white noise of the position, along the base axes
-  double noise_rad = 0.17 * kRadiansPerDegree;      ///< white noise of the orientation, per axis
-  double bias_m = 0.0;               ///< slowly varying accuracy error, rms in 3-D
+  double noise_rad = 0.17 * kRadiansPerDegree;     ///< white noise of the orientation, per axis
+  double bias_m = 0.0;                             ///< slowly varying accuracy error, rms in 3-D
   double bias_rad = 0.0;
   std::vector<std::string> markers;  ///< optical capture: midpoint (position) or triad (pose) of these
 };
@@ -38,17 +38,17 @@ enum class TendonModel {
 struct Tendon {
   bool present = false;
   TendonModel model = TendonModel::kCouple;
-  double offset_m = 0.0;              ///< tendon to centreline; moment = tension * offset; 0: not given
+  double offset_m = 0.0;  ///< tendon to centreline; moment = tension * offset; 0: not given
   double moment_sigma_fraction = 0.0;
 };
 
 /// Where the clamp frame stands in the tracker's frame.
 struct BaseRegistration {
   Pose T_tracker_base;
-  double position_sigma_m = 0.0;   ///< per axis
+  double position_sigma_m = 0.0;  ///< per axis
   double rotation_sigma_rad = 0.0;
-  bool tracked = false;            ///< a base sensor gives the pose in every frame instead
-  Sensor sensor;                   ///< the base sensor (T_local_sensor: its mounting in the clamp frame)
+  bool tracked = false;  ///< a base sensor gives the pose in every frame instead
+  Sensor sensor;         ///< the base sensor (T_local_sensor: its mounting in the clamp frame)
 };
 
 /// One catheter in one setup: the shaft, what watches it, and how well each number is known (one sigma).

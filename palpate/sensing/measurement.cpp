@@ -32,8 +32,8 @@ void register_frame(const Catheter& catheter, const TrackerFrame& frame, Measure
   const Pose T_base_tracker = T_tracker_base.inverse();
   for (std::size_t i = 0; i < sensors; ++i)
     if (measurement.rejections[i] == Rejection::kNone)
-      measurement.poses[static_cast<std::size_t>(measurement.count++)] = {static_cast<int>(i),
-                                                                          T_base_tracker * reading_pose(frame.readings[i])};
+      measurement.poses[static_cast<std::size_t>(measurement.count++)] = {
+          static_cast<int>(i), T_base_tracker * reading_pose(frame.readings[i])};
 }
 
 }  // namespace palpate

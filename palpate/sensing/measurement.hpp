@@ -10,8 +10,8 @@ namespace palpate {
 /// One tracker frame, screened and brought into the base frame: what is left to learn the shape from.
 struct Measurement {
   struct SensorPose {
-    int sensor = 0;          ///< index into Catheter::sensors
-    Pose T_base_sensor;      ///< orientation unused for a position sensor
+    int sensor = 0;      ///< index into Catheter::sensors
+    Pose T_base_sensor;  ///< orientation unused for a position sensor
   };
   int count = 0;
   std::array<SensorPose, kMaxSensors> poses;

@@ -6,7 +6,7 @@ namespace palpate {
 
 std::string_view describe(Rejection rejection) {
   constexpr std::array<std::string_view, kRejections> words{
-      "none",          "missing",       "not finite",     "zero quaternion", "non-unit quaternion",
+      "none",          "missing",        "not finite", "zero quaternion", "non-unit quaternion",
       "identity pose", "no orientation", "outlier"};
   return words[static_cast<std::size_t>(rejection)];
 }

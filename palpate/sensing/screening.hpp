@@ -12,8 +12,8 @@ namespace palpate {
 /// Why a reading is not used. Each is counted; none of them touches the estimate.
 enum class Rejection : std::uint8_t {
   kNone,
-  kMissing,            ///< the tracker says so itself
-  kNotFinite,          ///< NaN or Inf in the pose
+  kMissing,    ///< the tracker says so itself
+  kNotFinite,  ///< NaN or Inf in the pose
   kZeroQuaternion,
   kNonUnitQuaternion,  ///< |q| off by more than 1 %: not a rotation
   kIdentityPose,       ///< exactly identity: how some drivers report a fault with status OK

@@ -19,7 +19,8 @@ struct PredictedSensor {
   Eigen::Matrix<double, 3, N> rotation, position_m;
 };
 
-/// The rod's local frame at the sensor, moved by the mounting: p = p_local + R_local c, phi_sensor = R_mount^T phi_local.
+/// The rod's local frame at the sensor, moved by the mounting: p = p_local + R_local c, phi_sensor = R_mount^T
+/// phi_local.
 template <int N>
 PredictedSensor<N> predict_sensor(const Sensor& sensor, const RodPoint& point, const RodPointTangent<N>& tangent) {
   const Pose& mount = sensor.T_local_sensor;

@@ -20,9 +20,8 @@ std::vector<int> pose_sensors_from_tip(const Catheter& catheter) {
   std::vector<int> order;
   for (std::size_t i = 0; i < catheter.sensors.size(); ++i)
     if (catheter.sensors[i].kind == SensorKind::kPose) order.push_back(static_cast<int>(i));
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return catheter.sensors[a].arc_length_m > catheter.sensors[b].arc_length_m;
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return catheter.sensors[a].arc_length_m > catheter.sensors[b].arc_length_m; });
   return order;
 }
 
@@ -115,7 +114,8 @@ bool ShapeModel::linearize(const StateVector& x, Linearization& at) {
   for (int k = 0; k < selected_count_; ++k) {
     const Measurement::SensorPose& measured = *selected_[k].measured;
     const Sensor& sensor = catheter_.sensors[measured.sensor];
-    append_sensor_rows(sensor.kind, predict_sensor(sensor, solution_.points[measured.sensor], solution_.tangents[measured.sensor]),
+    append_sensor_rows(sensor.kind,
+                       predict_sensor(sensor, solution_.points[measured.sensor], solution_.tangents[measured.sensor]),
                        measured.T_base_sensor, selected_[k].first, at);
   }
   if (curvature_) curvature_rows(at);
@@ -126,7 +126,8 @@ bool ShapeModel::linearize(const StateVector& x, Linearization& at) {
 /// segment biases neither. d omega = (J_r^-1 phi_tip - J_l^-1 phi_behind) / ds.
 void ShapeModel::curvature_rows(Linearization& at) const {
   const Row& row = selected_[selected_count_];
-  const Matrix3d &mount_tip = catheter_.sensors[tip_].T_local_sensor.R, &mount_behind = catheter_.sensors[behind_].T_local_sensor.R;
+  const Matrix3d &mount_tip = catheter_.sensors[tip_].T_local_sensor.R,
+                 &mount_behind = catheter_.sensors[behind_].T_local_sensor.R;
   const Matrix3d R_tip = selected_[0].measured->T_base_sensor.R * mount_tip.transpose();
   const Matrix3d R_behind = row.measured->T_base_sensor.R * mount_behind.transpose();
   const Matrix3d& P_tip = solution_.points[tip_].T_base_local.R;
@@ -135,7 +136,8 @@ void ShapeModel::curvature_rows(Linearization& at) const {
   const Vector3d turn = log_so3(P_behind.transpose() * P_tip);
   at.residual.segment<3>(row.first) = (log_so3(R_behind.transpose() * R_tip) - turn) / ds;
   at.jacobian.block<3, 3>(row.first, 0) = (inverse_right_jacobian(turn) * solution_.tangents[tip_].rotation -
-                                           inverse_left_jacobian(turn) * solution_.tangents[behind_].rotation) / ds;
+                                           inverse_left_jacobian(turn) * solution_.tangents[behind_].rotation) /
+                                          ds;
 }
 
 /// The paper takes curvature and pose as independent; they share the tip's orientation noise, which counts here.
@@ -145,7 +147,8 @@ void ShapeModel::curvature_noise(ResidualMatrix& R) const {
   const Matrix3d R_tip = selected_[0].measured->T_base_sensor.R * tip.T_local_sensor.R.transpose();
   const Matrix3d R_behind = row.measured->T_base_sensor.R * behind.T_local_sensor.R.transpose();
   const Vector3d turn = log_so3(R_behind.transpose() * R_tip);
-  const Matrix3d by_tip = inverse_right_jacobian(turn) / segment_m(), by_behind = inverse_left_jacobian(turn) / segment_m();
+  const Matrix3d by_tip = inverse_right_jacobian(turn) / segment_m(),
+                 by_behind = inverse_left_jacobian(turn) / segment_m();
   const double tip_variance = tip.noise_rad * tip.noise_rad, behind_variance = behind.noise_rad * behind.noise_rad;
   R.block<3, 3>(row.first, row.first) =
       tip_variance * by_tip * by_tip.transpose() + behind_variance * by_behind * by_behind.transpose();

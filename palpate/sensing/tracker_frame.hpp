@@ -13,10 +13,10 @@ struct SensorReading {
   enum class Status : std::uint8_t { kMissing, kOk };
 
   Status status = Status::kMissing;
-  bool has_orientation = false;                                 ///< false: a point only
-  Eigen::Vector4d quaternion_wxyz = Eigen::Vector4d::Zero();    ///< sensor to tracker, as received
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();         ///< sensor origin in the tracker's frame
-  double error_m = std::numeric_limits<double>::quiet_NaN();    ///< the device's own quality figure, if any
+  bool has_orientation = false;                               ///< false: a point only
+  Eigen::Vector4d quaternion_wxyz = Eigen::Vector4d::Zero();  ///< sensor to tracker, as received
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();       ///< sensor origin in the tracker's frame
+  double error_m = std::numeric_limits<double>::quiet_NaN();  ///< the device's own quality figure, if any
 };
 
 /// Moment that the tendon exerts on the shaft, about d1 and d2.

@@ -82,7 +82,8 @@ VirtualRecording simulate_tracker(const Catheter& catheter, const ForceSchedule&
     }
     if (catheter.base.tracked) {
       const Sensor& base = catheter.base.sensor;
-      frame.readings.push_back(read_sensor(base, T_tracker_base * base.T_local_sensor, T_tracker_base.R, options, noise));
+      frame.readings.push_back(
+          read_sensor(base, T_tracker_base * base.T_local_sensor, T_tracker_base.R, options, noise));
     }
     recording.frames.push_back(std::move(frame));
     recording.force_tip_N.push_back(load.force_tip_N);

@@ -16,11 +16,11 @@ namespace palpate {
 using ForceSchedule = std::function<Vector3d(double time_s)>;
 
 struct VirtualTrackerOptions {
-  double rate_hz = 40.0;        ///< frames a second; range (0, 10000]
-  double duration_s = 10.0;     ///< range (0, 86400]
-  std::uint64_t seed = 1;       ///< same seed, same recording
-  double missing_share = 0.0;   ///< of readings the tracker reports as MISSING; range [0, 1)
-  double outlier_share = 0.0;   ///< of readings whose position is off by `outlier_m`, status OK; range [0, 1)
+  double rate_hz = 40.0;       ///< frames a second; range (0, 10000]
+  double duration_s = 10.0;    ///< range (0, 86400]
+  std::uint64_t seed = 1;      ///< same seed, same recording
+  double missing_share = 0.0;  ///< of readings the tracker reports as MISSING; range [0, 1)
+  double outlier_share = 0.0;  ///< of readings whose position is off by `outlier_m`, status OK; range [0, 1)
   double outlier_m = 25e-3;
 
   /// Throws InputError naming the field, its value and the range.
@@ -29,7 +29,7 @@ struct VirtualTrackerOptions {
 
 struct VirtualRecording {
   std::vector<TrackerFrame> frames;
-  std::vector<Vector3d> force_tip_N;   ///< the truth, one a frame
+  std::vector<Vector3d> force_tip_N;  ///< the truth, one a frame
   std::vector<Vector3d> force_base_N;
 };
 
@@ -37,7 +37,8 @@ struct VirtualRecording {
 /// along the base axes, orientation R exp(n) in sensor axes; a tracked base included, standing at
 /// BaseRegistration::T_tracker_base. Throws InputError on unusable options, and where a force has no equilibrium under
 /// the rod's own weight.
-VirtualRecording simulate_tracker(const Catheter& catheter, const ForceSchedule& force, const VirtualTrackerOptions& options);
+VirtualRecording simulate_tracker(const Catheter& catheter, const ForceSchedule& force,
+                                  const VirtualTrackerOptions& options);
 
 /// Contact with a beating, breathing wall: 1.2 Hz and 0.25 Hz, contact lost for 2 s in every 10 s. Peak about 0.15 N.
 Vector3d beating_wall_force(double time_s);

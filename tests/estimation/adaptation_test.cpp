@@ -17,7 +17,8 @@ Channels channels_from(int first) {
 }
 
 /// A random walk in 3-D seen through six rows of stated variance 1, true standard deviation `noise_factor`; the filter
-/// uses the adapted noise. Returns the ratio of each channel's variance to the stated one, averaged over the second half.
+/// uses the adapted noise. Returns the ratio of each channel's variance to the stated one, averaged over the second
+/// half.
 Eigen::VectorXd settled_ratio(double noise_factor, int window, unsigned seed) {
   constexpr int kSteps = 4000;
   Draws draws(seed);

@@ -83,7 +83,8 @@ TEST(Evaluation, NothingLeftToJudgeIsRefused) {
 /// A time that is not a number belongs to a rejected frame; it is not judged, wherever it stands.
 TEST(Evaluation, RowsWithoutATimeAreNotJudged) {
   const double kNaN = std::nan("");
-  const std::vector<EstimateRow> rows{row(kNaN, {9, 9, 9}), row(0.0, {9, 9, 9}), row(5.0, {0, 0, 5}), row(kNaN, {9, 9, 9})};
+  const std::vector<EstimateRow> rows{row(kNaN, {9, 9, 9}), row(0.0, {9, 9, 9}), row(5.0, {0, 0, 5}),
+                                      row(kNaN, {9, 9, 9})};
   const Evaluation e = evaluate(rows, ramp());
   EXPECT_EQ(e.frames, 1U);
   EXPECT_LT(e.rmse_N.norm(), 1e-12);

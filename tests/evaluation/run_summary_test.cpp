@@ -40,7 +40,8 @@ TEST(RunSummary, EveryFrameAndEveryReadingIsAccountedFor) {
   held.force_base_N = {0, 0, 5};
   held.covariance_tip_N2 = Matrix3d::Identity();
   builder.add(held, 2);
-  for (const FrameTime time : {FrameTime::kStandsStill, FrameTime::kStepsBack, FrameTime::kStepsBack, FrameTime::kNotFinite}) {
+  for (const FrameTime time :
+       {FrameTime::kStandsStill, FrameTime::kStepsBack, FrameTime::kStepsBack, FrameTime::kNotFinite}) {
     Estimate rejected = held;
     rejected.time_s = 4.0;
     rejected.time = time;

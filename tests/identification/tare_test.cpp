@@ -42,8 +42,8 @@ Error drawn(const Catheter& stated, Draws& draws) {
 }
 
 /// Errors drawn from what the file states, noise from what the sensors state: then the posterior's sigmas are true. Of
-/// 100 seeds 95.4 lie within 2 sigma, +- 2.1; 3.5 of those below is 88. The base's sigmas are given as one rms: its squared
-/// error over 3 sigma^2 has mean 1 with a scatter of at most sqrt(2 / 100) = 0.14.
+/// 100 seeds 95.4 lie within 2 sigma, +- 2.1; 3.5 of those below is 88. The base's sigmas are given as one rms: its
+/// squared error over 3 sigma^2 has mean 1 with a scatter of at most sqrt(2 / 100) = 0.14.
 TEST(Tare, ErrorsThatRemainAreWithinTheSigmasItGives) {
   constexpr int kSeeds = 100;
   const Catheter stated = uncertain(test::two_sensors());
@@ -94,7 +94,8 @@ TEST(Tare, FindsBaseAndPrecurvatureWhereTheSensorsSeeThem) {
     EXPECT_EQ(found.frames, 40);
     EXPECT_LT((found.catheter.base.T_tracker_base.p - real.base.T_tracker_base.p).norm(), 1e-6);
     EXPECT_LT((found.catheter.base.T_tracker_base.R - real.base.T_tracker_base.R).norm(), 1e-5);
-    EXPECT_LT((found.catheter.rod.sections[0].precurvature_per_m - real.rod.sections[0].precurvature_per_m).norm(), 1e-3);
+    EXPECT_LT((found.catheter.rod.sections[0].precurvature_per_m - real.rod.sections[0].precurvature_per_m).norm(),
+              1e-3);
     EXPECT_LT((found.catheter.rod.distributed_load_base_N_per_m - real.rod.distributed_load_base_N_per_m).norm(), 1e-5);
   }
 }

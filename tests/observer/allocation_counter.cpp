@@ -34,9 +34,9 @@ extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const
                                                          void (*on_free)(const volatile void*));
 
 namespace {
-const bool installed = __sanitizer_install_malloc_and_free_hooks(
-                           [](const volatile void*, std::size_t) { palpate::test::note_allocation(); },
-                           [](const volatile void*) {}) != 0;
+const bool installed =
+    __sanitizer_install_malloc_and_free_hooks(
+        [](const volatile void*, std::size_t) { palpate::test::note_allocation(); }, [](const volatile void*) {}) != 0;
 }  // namespace
 
 #else

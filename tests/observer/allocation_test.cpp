@@ -50,7 +50,8 @@ std::vector<Case> cases() {
     for (const MeasurementKind kind : {MeasurementKind::kPoses, MeasurementKind::kTipAndCurvature})
       for (const auto& [name, catheter] : setups) {
         const bool raw = kind == MeasurementKind::kPoses;
-        all.push_back({name + "_" + test::name_of(method) + (raw ? "_poses" : "_curvature"), catheter,
+        all.push_back({name + "_" + test::name_of(method) + (raw ? "_poses" : "_curvature"),
+                       catheter,
                        {.method = method, .measurement = kind, .report_convergence_index = true}});
       }
   return all;

@@ -44,7 +44,10 @@ TEST_P(BadFrames, ABadReadingLeavesWhatAMissingOneLeaves) {
       {Rejection::kZeroQuaternion, [](SensorReading& r) { r.quaternion_wxyz.setZero(); }},
       {Rejection::kNonUnitQuaternion, [](SensorReading& r) { r.quaternion_wxyz *= 1.02; }},
       {Rejection::kIdentityPose,
-       [](SensorReading& r) { r.quaternion_wxyz = {1, 0, 0, 0}; r.position_m.setZero(); }},
+       [](SensorReading& r) {
+         r.quaternion_wxyz = {1, 0, 0, 0};
+         r.position_m.setZero();
+       }},
       {Rejection::kNoOrientation, [](SensorReading& r) { r.has_orientation = false; }},
   };
   for (const std::size_t sensor : {0U, 1U}) {

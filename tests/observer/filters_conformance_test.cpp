@@ -19,18 +19,20 @@ class EveryFilter : public ::testing::TestWithParam<Method> {
 };
 
 TEST_P(EveryFilter, NoLoadGivesNoForceWithinFourSigma) {
-  for (const Catheter& catheter : {test::two_sensors(), test::mixed_sensors(), test::with_own_weight(test::two_sensors())}) {
+  for (const Catheter& catheter :
+       {test::two_sensors(), test::mixed_sensors(), test::with_own_weight(test::two_sensors())}) {
     const auto recording = simulate_tracker(catheter, test::constant_force(Vector3d::Zero()), {.duration_s = 5.0});
     for (const Estimate& e : run(catheter, recording.frames)) {
       EXPECT_EQ(e.status, EstimateStatus::kUpdated);
       const Eigen::Array3d sigma = e.covariance_tip_N2.diagonal().array().sqrt();
-      EXPECT_TRUE((e.force_tip_N.array().abs() <= 4.0 * sigma).all()) << e.time_s << " s: " << e.force_tip_N.transpose();
+      EXPECT_TRUE((e.force_tip_N.array().abs() <= 4.0 * sigma).all())
+          << e.time_s << " s: " << e.force_tip_N.transpose();
     }
   }
 }
 
-/// A random walk's matched tuning is not that of a beating wall: 99 % within 4 sigma, not 99.98 %. The EKF's single step
-/// is enough here: the force moves by a few sigma a frame, and the surprises go through the iterated search first.
+/// A random walk's matched tuning is not that of a beating wall: 99 % within 4 sigma, not 99.98 %. The EKF's single
+/// step is enough here: the force moves by a few sigma a frame, and the surprises go through the iterated search first.
 TEST_P(EveryFilter, BeatingWallIsFollowedWithinFourSigma) {
   const Catheter catheter = test::two_sensors();
   const auto recording = simulate_tracker(catheter, beating_wall_force, {.duration_s = 20.0, .seed = 3});
@@ -56,7 +58,8 @@ TEST_P(EveryFilter, BaseComponentsAreTheTipComponentsTurned) {
   }
 }
 
-/// The residuals agree to 1e-15 m and rad; amplified by 1 / noise and the covariance over a hundred frames: below 1e-9 N.
+/// The residuals agree to 1e-15 m and rad; amplified by 1 / noise and the covariance over a hundred frames: below 1e-9
+/// N.
 TEST_P(EveryFilter, TrackerThatStandsElsewhereGivesTheSameEstimates) {
   const Catheter catheter = test::mixed_sensors();
   auto recording = simulate_tracker(catheter, beating_wall_force, {.duration_s = 3.0});
@@ -106,8 +109,8 @@ TEST_P(EveryFilter, SigmaShrinksWithEverySensorAndEveryFrame) {
 
 TEST_P(EveryFilter, TwoRunsAgreeBitForBit) {
   const Catheter catheter = test::mixed_sensors();
-  const auto recording = simulate_tracker(catheter, beating_wall_force,
-                                          {.duration_s = 3.0, .missing_share = 0.1, .outlier_share = 0.05});
+  const auto recording =
+      simulate_tracker(catheter, beating_wall_force, {.duration_s = 3.0, .missing_share = 0.1, .outlier_share = 0.05});
   const std::vector<Estimate> first = run(catheter, recording.frames), second = run(catheter, recording.frames);
   for (std::size_t i = 0; i < first.size(); ++i) EXPECT_TRUE(test::same_state(first[i], second[i]));
 }

@@ -254,9 +254,10 @@ TEST_F(CatheterFiles, MissingKeys) {
 }
 
 TEST_F(CatheterFiles, MistypedValues) {
-  EXPECT_EQ(error("70.0", "\"70 mm\""),
-            "c.toml:3: catheter.length_mm = \"70 mm\": expected a length in mm, 1..5000 (is it in metres?), as a number "
-            "without quotes");
+  EXPECT_EQ(
+      error("70.0", "\"70 mm\""),
+      "c.toml:3: catheter.length_mm = \"70 mm\": expected a length in mm, 1..5000 (is it in metres?), as a number "
+      "without quotes");
   EXPECT_EQ(
       error("[39.99, 0.0, 0.0]", "39.99"),
       "c.toml:6: catheter.precurvature_per_m = 39.99: expected [3 numbers], each a curvature in 1/m, at most 1000 "

@@ -46,7 +46,8 @@ TEST_F(CsvWriters, HeaderAndRowsAreTheContracts) {
                       test::sensor_at("gone", 0.03)};
   TrackerFrame frame{.time_s = 0.025, .number = 1};
   frame.readings = {test::reading_of({Matrix3d::Identity(), {0.0105, -0.02, 0.1}}),
-                    test::reading_of({Matrix3d::Identity(), {0.001, 0.0, 0.0}}, SensorKind::kPosition), SensorReading{}};
+                    test::reading_of({Matrix3d::Identity(), {0.001, 0.0, 0.0}}, SensorKind::kPosition),
+                    SensorReading{}};
   write_tracker_csv(path("r.csv"), catheter, std::vector{frame});
   EXPECT_EQ(contents(path("r.csv")),
             "time_s,frame,sensor,status,q0,qx,qy,qz,tx_mm,ty_mm,tz_mm,error_mm\n"

@@ -80,10 +80,10 @@ TEST_F(EstimateCsv, FrameWithoutATimeIsWrittenAndRead) {
 }
 
 TEST_F(EstimateCsv, ColumnsMayStandInAnyOrderAndMoreMayFollow) {
-  const auto rows = read_estimate_csv(
-      write("e.csv",
-            "status,EI1_Nm2,time_s,fz_tip_N,fy_tip_N,fx_tip_N,sigma_x_N,sigma_y_N,sigma_z_N,cov_xy_N2,cov_xz_N2,cov_yz_N2\n"
-            "HELD,2e-4,1.5,3,2,1,0.1,0.2,0.3,0.01,0,0\n"));
+  const auto rows = read_estimate_csv(write(
+      "e.csv",
+      "status,EI1_Nm2,time_s,fz_tip_N,fy_tip_N,fx_tip_N,sigma_x_N,sigma_y_N,sigma_z_N,cov_xy_N2,cov_xz_N2,cov_yz_N2\n"
+      "HELD,2e-4,1.5,3,2,1,0.1,0.2,0.3,0.01,0,0\n"));
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_EQ(rows[0].force_tip_N, Vector3d(1, 2, 3));
   EXPECT_EQ(rows[0].status, EstimateStatus::kHeld);

@@ -43,8 +43,7 @@ TEST(RegisterFrame, TrackedBaseIsFoundThroughItsMounting) {
   Measurement m;
   register_frame(catheter, frame, m);
   ASSERT_EQ(m.count, 2);
-  const Eigen::Matrix4d base =
-      homogeneous(base_sensor) * homogeneous(catheter.base.sensor.T_local_sensor).inverse();
+  const Eigen::Matrix4d base = homogeneous(base_sensor) * homogeneous(catheter.base.sensor.T_local_sensor).inverse();
   EXPECT_LT(distance(m.poses[0].T_base_sensor, base.inverse() * homogeneous(tip)), 1e-14);
   EXPECT_LT(distance(m.poses[1].T_base_sensor, base.inverse() * homogeneous(shaft)), 1e-14);
 }

@@ -46,7 +46,10 @@ TEST(Screening, NumbersThatAreNotFinite) {
 }
 
 TEST(Screening, PositionOfAPointSensorMustBeFiniteToo) {
-  const auto point = [](SensorReading& r) { r.has_orientation = false; r.position_m.y() = kNaN; };
+  const auto point = [](SensorReading& r) {
+    r.has_orientation = false;
+    r.position_m.y() = kNaN;
+  };
   EXPECT_EQ(after(point, SensorKind::kPosition), Rejection::kNotFinite);
 }
 
@@ -75,12 +78,18 @@ TEST(Screening, ExactIdentityIsAFaultOfEitherSign) {
 TEST(Screening, NearlyIdentityIsAPose) {
   EXPECT_EQ(after([](SensorReading& r) { r.quaternion_wxyz = {1, 0, 0, 0}; }), Rejection::kNone);
   EXPECT_EQ(after([](SensorReading& r) { r.position_m.setZero(); }), Rejection::kNone);
-  const auto nearly = [](SensorReading& r) { r.quaternion_wxyz = {1, 0, 0, 0}; r.position_m = {1e-9, 0, 0}; };
+  const auto nearly = [](SensorReading& r) {
+    r.quaternion_wxyz = {1, 0, 0, 0};
+    r.position_m = {1e-9, 0, 0};
+  };
   EXPECT_EQ(after(nearly), Rejection::kNone);
 }
 
 TEST(Screening, APointIsEnoughForAPositionSensorOnly) {
-  const auto point = [](SensorReading& r) { r.has_orientation = false; r.quaternion_wxyz.setZero(); };
+  const auto point = [](SensorReading& r) {
+    r.has_orientation = false;
+    r.quaternion_wxyz.setZero();
+  };
   EXPECT_EQ(after(point, SensorKind::kPosition), Rejection::kNone);
   EXPECT_EQ(after(point, SensorKind::kPose), Rejection::kNoOrientation);
   EXPECT_EQ(after(point, SensorKind::kPose5), Rejection::kNoOrientation);

@@ -45,8 +45,8 @@ Scene scene_with(SensorKind kind, double angle_rad, const Vector3d& axis, Draws&
   return s;
 }
 
-/// r(x + dx) = r(x) - J dx, central differences with step h: error h^2 r''' / 6, about 1e-8 for h = 1e-4 where the third
-/// derivative is of order one to ten (it grows towards |r| = pi), rounding 1e-16 / h = 1e-12.
+/// r(x + dx) = r(x) - J dx, central differences with step h: error h^2 r''' / 6, about 1e-8 for h = 1e-4 where the
+/// third derivative is of order one to ten (it grows towards |r| = pi), rounding 1e-16 / h = 1e-12.
 double jacobian_error(const Scene& s) {
   constexpr double h = 1e-4;
   const Linearization at = s.at(Parameters::Zero());

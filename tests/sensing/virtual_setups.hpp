@@ -51,7 +51,8 @@ inline Catheter mixed_sensors() {
 
 inline Catheter eight_sensors() {
   Catheter catheter = bare_catheter();
-  for (int i = 0; i < kMaxSensors; ++i) catheter.sensors.push_back(sensor_at("s" + std::to_string(i), 0.07 - 0.008 * i));
+  for (int i = 0; i < kMaxSensors; ++i)
+    catheter.sensors.push_back(sensor_at("s" + std::to_string(i), 0.07 - 0.008 * i));
   return catheter;
 }
 

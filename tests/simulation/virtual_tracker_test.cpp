@@ -35,7 +35,8 @@ TEST(VirtualTracker, SameSeedSameBytesAnotherSeedOthers) {
 }
 
 TEST(VirtualTracker, FramesAreNumberedAndTimed) {
-  const auto r = simulate_tracker(test::two_sensors(), constant(Vector3d::Zero()), {.rate_hz = 50.0, .duration_s = 2.0});
+  const auto r =
+      simulate_tracker(test::two_sensors(), constant(Vector3d::Zero()), {.rate_hz = 50.0, .duration_s = 2.0});
   ASSERT_EQ(r.frames.size(), 100U);
   for (std::size_t i = 0; i < 100; ++i) {
     EXPECT_EQ(r.frames[i].number, static_cast<std::int64_t>(i));
@@ -113,8 +114,9 @@ TEST(VirtualTracker, NoiseIsWhiteOfTheStatedSizeAlongTheBaseAxes) {
 /// 20000 readings: shares of 0.04 and 0.01 scatter by 0.0014 and 0.0007; 5 of that.
 TEST(VirtualTracker, SharesOfMissingReadingsAndOutliersAreAsAsked) {
   const Catheter catheter = test::two_sensors();
-  const auto recording = simulate_tracker(catheter, constant(Vector3d::Zero()),
-                                          {.rate_hz = 1e3, .duration_s = 10.0, .missing_share = 0.04, .outlier_share = 0.01});
+  const auto recording =
+      simulate_tracker(catheter, constant(Vector3d::Zero()),
+                       {.rate_hz = 1e3, .duration_s = 10.0, .missing_share = 0.04, .outlier_share = 0.01});
   const TrackerFrame exact = test::exact_frame(catheter, Vector3d::Zero());
   double missing = 0.0, outliers = 0.0, present = 0.0;
   for (const TrackerFrame& frame : recording.frames)
