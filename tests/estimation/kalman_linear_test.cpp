@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <ostream>
 #include <tests/estimation/linear_models.hpp>
 
 /// On a linear model every update must be the textbook's.
@@ -17,6 +18,8 @@ using UpdateFunction = void (*)(LinearModel&, const Gaussian&, Update&);
 struct Named {
   const char* name;
   UpdateFunction update;
+
+  friend void PrintTo(const Named& n, std::ostream* out) { *out << n.name; }
 };
 const Named kUpdates[] = {
     {"extended", [](LinearModel& m, const Gaussian& p, Update& out) { extended_update(m, p, out); }},

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdlib>
+#include <ostream>
 #include <tests/observer/allocation_counter.hpp>
 #include <tests/observer/runs.hpp>
 
@@ -35,6 +36,8 @@ struct Case {
   std::string name;
   Catheter catheter;
   ObserverOptions options;
+
+  friend void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 };
 
 std::vector<Case> cases() {

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <functional>
+#include <ostream>
 #include <palpate/math/errors.hpp>
 #include <palpate/sensing/shape_model.hpp>
 #include <set>
@@ -19,6 +20,8 @@ struct Case {
   const char* name;
   MeasurementKind kind;
   std::function<Catheter()> make;
+
+  friend void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 };
 
 const Case kCases[] = {
