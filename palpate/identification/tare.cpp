@@ -84,8 +84,7 @@ class UnloadedModel {
 
   bool linearize(const StateVector& x, Linearization& at) {
     const Pose T_nominal_base{exp_so3(x.tail<3>()), x.segment<3>(3)};
-    if (!solve_shape(x.head<3>(), T_nominal_base.R, shape_)) return false;
-    if (!turn_weight(x.head<3>(), T_nominal_base.R)) return false;
+    if (!solve_shape(x.head<3>(), T_nominal_base.R)) return false;
     at.residual.resize(rows_);
     at.jacobian.resize(rows_, 9);
     position_rms_m = 0.0;
@@ -105,7 +104,8 @@ class UnloadedModel {
   double position_rms_m = 0.0;  ///< of the last linearization
 
  private:
-  bool solve_shape(const Vector3d& precurvature_change, const Matrix3d& R_nominal_base, RodSolution<3>& shape) const {
+  /// The weight keeps its direction while the clamp turns, R -> R exp(delta): w = R^T w_nominal, dw = w x delta.
+  bool solve_shape(const Vector3d& precurvature_change, const Matrix3d& R_nominal_base) {
     Rod rod = catheter_.rod;
     for (Section& section : rod.sections) {
       if (straight_) section.precurvature_per_m.setZero();
@@ -114,42 +114,25 @@ class UnloadedModel {
     if (straight_) rod.distributed_load_base_N_per_m.setZero();
     rod.distributed_load_base_N_per_m = R_nominal_base.transpose() * rod.distributed_load_base_N_per_m;
     const RodSolver solver(rod, arc_lengths_, Accuracy::kReference);
-    shape = solver.make_solution<3>();
-    WeightWorkspace<3> workspace = make_weight_workspace<3>(solver);
-    LoadDirections<3> directions;
-    directions.precurvature_per_m.setIdentity();
-    return solve_under_weight(solver, TipLoad{}, directions, workspace, shape).converged;
-  }
-
-  /// How the sensors move in the clamp's frame when the clamp turns under a weight that does not, R -> R exp(delta).
-  bool turn_weight(const Vector3d& precurvature_change, const Matrix3d& R_nominal_base) {
-    constexpr double kStep_rad = 1e-4;  // central differences: error 1e-8 of the derivative
-    by_turn_.assign(mean_.sensors.size(), {});
-    if (straight_ || !catheter_.rod.has_distributed_load()) return true;
-    RodSolution<3> ahead, behind;
-    for (int axis = 0; axis < 3; ++axis) {
-      const Vector3d delta = kStep_rad * Vector3d::Unit(axis);
-      if (!solve_shape(precurvature_change, R_nominal_base * exp_so3(delta), ahead)) return false;
-      if (!solve_shape(precurvature_change, R_nominal_base * exp_so3(-delta), behind)) return false;
-      for (std::size_t i = 0; i < by_turn_.size(); ++i) {
-        const Pose &a = ahead.points[i].T_base_local, &b = behind.points[i].T_base_local;
-        by_turn_[i].rotation.col(axis) = log_so3(b.R.transpose() * a.R) / (2.0 * kStep_rad);
-        by_turn_[i].position_m.col(axis) = (a.p - b.p) / (2.0 * kStep_rad);
-      }
-    }
-    return true;
+    shape_ = solver.make_solution<6>();
+    WeightWorkspace<6> workspace = make_weight_workspace<6>(solver);
+    LoadDirections<6> directions;
+    directions.precurvature_per_m.leftCols<3>().setIdentity();
+    directions.distributed_tip_N_per_m.rightCols<3>() = hat(rod.distributed_load_base_N_per_m);
+    return solve_under_weight(solver, TipLoad{}, directions, workspace, shape_).converged;
   }
 
   /// Sensor pose in the nominal base frame: T_nominal_base T_base_sensor, with columns (u0, rho, theta).
   PredictedSensor<9> predict(const Sensor& sensor, std::size_t i, const Pose& T_nominal_base) const {
-    const PredictedSensor<3> own = predict_sensor(sensor, shape_.points[i], shape_.tangents[i]);
-    const PredictedSensor<3> weight = predict_sensor(sensor, shape_.points[i], by_turn_[i]);
-    const Matrix3d turn = right_jacobian_of(T_nominal_base.R);
+    const PredictedSensor<6> own = predict_sensor(sensor, shape_.points[i], shape_.tangents[i]);
+    const auto by_precurvature = [](const auto& m) { return m.template leftCols<3>(); };
+    const auto by_turn = [](const auto& m) { return m.template rightCols<3>(); };
+    const Matrix3d turn = right_jacobian_of(T_nominal_base.R), R = own.T_base_sensor.R;
     PredictedSensor<9> seen;
     seen.T_base_sensor = T_nominal_base * own.T_base_sensor;
-    seen.rotation << own.rotation, Matrix3d::Zero(), (own.T_base_sensor.R.transpose() + weight.rotation) * turn;
-    seen.position_m << T_nominal_base.R * own.position_m, Matrix3d::Identity(),
-        T_nominal_base.R * (weight.position_m - hat(own.T_base_sensor.p)) * turn;
+    seen.rotation << by_precurvature(own.rotation), Matrix3d::Zero(), (R.transpose() + by_turn(own.rotation)) * turn;
+    seen.position_m << T_nominal_base.R * by_precurvature(own.position_m), Matrix3d::Identity(),
+        T_nominal_base.R * (by_turn(own.position_m) - hat(own.T_base_sensor.p)) * turn;
     return seen;
   }
 
@@ -160,8 +143,7 @@ class UnloadedModel {
   bool straight_;
   std::vector<double> arc_lengths_;
   int rows_ = 0;
-  RodSolution<3> shape_;
-  std::vector<RodPointTangent<3>> by_turn_;  ///< of the local frames; zero without weight
+  RodSolution<6> shape_;
 };
 
 constexpr double kFixed = 1e-12;  // sigma of what stays: small enough not to move, definite all the same

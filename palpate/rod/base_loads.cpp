@@ -79,12 +79,12 @@ LoadDirections<N + 3> with_weight_columns(const LoadDirections<N>& d) {
 template <int N>
 WeightedSolve solve_under_weight(const RodSolver& solver, const TipLoad& load, const LoadDirections<N>& directions,
                                  WeightWorkspace<N>& workspace, RodSolution<N>& solution) {
-  if (!solver.rod().has_distributed_load()) {
+  if (!solver.rod().has_distributed_load() && directions.distributed_tip_N_per_m.isZero(0.0)) {
     solver.solve(load, directions, solution);
     return {.converged = true, .evaluations = 1};
   }
   const Vector3d& w_base = solver.rod().distributed_load_base_N_per_m;
-  const LoadDirections<N + 3> with_weight = with_weight_columns(directions);
+  LoadDirections<N + 3> with_weight = with_weight_columns(directions);
   TipLoad total = load;
   total.distributed_tip_N_per_m.setZero();
   solver.solve(total, workspace.value);
@@ -93,6 +93,7 @@ WeightedSolve solve_under_weight(const RodSolver& solver, const TipLoad& load, c
   constexpr int kMaxIterations = 24;
   for (int iteration = 1; iteration <= kMaxIterations; ++iteration) {
     total.distributed_tip_N_per_m = Q * w_base;
+    with_weight.distributed_tip_N_per_m.template leftCols<N>() = Q * directions.distributed_tip_N_per_m;
     solver.solve(total, with_weight, workspace.tangent);
     const Matrix3d dg_per_delta = -Q * hat(w_base);
     const Loop loop = close_loop(Q, workspace.tangent.T_base_tip.R,
@@ -110,9 +111,12 @@ WeightedSolve solve_under_weight(const RodSolver& solver, const TipLoad& load, c
 }
 
 template WeightWorkspace<3> make_weight_workspace<3>(const RodSolver&);
+template WeightWorkspace<6> make_weight_workspace<6>(const RodSolver&);
 template WeightWorkspace<12> make_weight_workspace<12>(const RodSolver&);
 template WeightedSolve solve_under_weight<3>(const RodSolver&, const TipLoad&, const LoadDirections<3>&,
                                              WeightWorkspace<3>&, RodSolution<3>&);
+template WeightedSolve solve_under_weight<6>(const RodSolver&, const TipLoad&, const LoadDirections<6>&,
+                                             WeightWorkspace<6>&, RodSolution<6>&);
 template WeightedSolve solve_under_weight<12>(const RodSolver&, const TipLoad&, const LoadDirections<12>&,
                                               WeightWorkspace<12>&, RodSolution<12>&);
 
