@@ -25,6 +25,11 @@ void warn_of_doubtful_tare(const Catheter& catheter, const Tare& found, std::vec
     warnings.push_back(
         "reference: corrects nothing, for the catheter file states no position_sigma_mm, "
         "rotation_sigma_deg or precurvature_sigma_per_m");
+  if (found.largest_change_sigmas > 4.0)
+    warnings.push_back(
+        fmt::format("reference: a correction is {:.1f} times the sigma stated for it: is the tip free of force in this "
+                    "interval?",
+                    found.largest_change_sigmas));
   double noise_m = 0.0;
   for (const Sensor& sensor : catheter.sensors) noise_m = std::max(noise_m, sensor.noise_m.maxCoeff());
   if (found.residual_after_m > 5.0 * noise_m)

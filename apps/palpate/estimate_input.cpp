@@ -74,9 +74,29 @@ void check_reference(const ReferenceInterval& reference, const TrackerRecording&
       reference.from_s, reference.to_s, recording.frames.front().time_s, recording.frames.back().time_s));
 }
 
+/// Times in milliseconds look like frames seconds apart.
+void warn_of_slow_frames(const TrackerRecording& recording, std::vector<std::string>& warnings) {
+  if (recording.frames.size() < 10) return;
+  std::vector<double> periods_s;
+  for (std::size_t i = 1; i < recording.frames.size(); ++i)
+    periods_s.push_back(recording.frames[i].time_s - recording.frames[i - 1].time_s);
+  std::erase_if(periods_s, [](double period_s) { return !std::isfinite(period_s); });
+  if (periods_s.empty()) return;
+  std::nth_element(periods_s.begin(), periods_s.begin() + static_cast<std::ptrdiff_t>(periods_s.size() / 2),
+                   periods_s.end());
+  const double period_s = periods_s[periods_s.size() / 2];
+  if (period_s > 1.0)
+    warnings.push_back(
+        fmt::format("{}: its frames are {:.4g} s apart: are the times in milliseconds?", recording.source, period_s));
+}
+
 void attach_tendon(const std::string& path, const Catheter& catheter, TrackerRecording& recording,
                    std::vector<std::string>& warnings) {
-  if (path.empty()) return;
+  if (path.empty()) {
+    if (catheter.tendon.present)
+      warnings.push_back("tendon: the catheter file has one, but no --tendon was given: its moment is taken as zero");
+    return;
+  }
   if (!catheter.tendon.present)
     throw InputError(fmt::format("--tendon {}: the catheter file has no [tendon]: expected its model", path));
   const TendonTrace trace = read_tendon_csv(path, catheter.tendon);
@@ -98,14 +118,17 @@ void attach_tendon(const std::string& path, const Catheter& catheter, TrackerRec
 
 TrackerRecording load_recording(const EstimateOptions& options, const CatheterFile& file,
                                 std::vector<std::string>& warnings) {
-  TrackerRecording recording = read_tracker_recording(
-      options.recording,
-      {.catheter = &file.catheter, .reference_from_s = file.reference.from_s, .reference_to_s = file.reference.to_s});
+  TrackerRecording recording =
+      read_tracker_recording(options.recording, {.catheter = &file.catheter,
+                                                 .reference_from_s = file.reference.from_s,
+                                                 .reference_to_s = file.reference.to_s,
+                                                 .reference_straight = file.reference.straight});
   bind_to_catheter(recording, file.catheter, file.ignore_sensors);
   if (recording.frames.empty()) throw InputError(fmt::format("{}: expected at least one frame", options.recording));
   for (const std::string& note : recording.notes) warnings.push_back(fmt::format("{}: {}", options.recording, note));
   check_reference(file.reference, recording);
   check_reach(file.catheter, recording);
+  warn_of_slow_frames(recording, warnings);
   attach_tendon(options.tendon, file.catheter, recording, warnings);
   return recording;
 }

@@ -120,6 +120,7 @@ void EstimateReport::print_tare() const {
   fmt::print("tare from {} frames: base moved {} mm, turned {} deg; precurvature changed by {} 1/m\n", tare_->frames,
              to_text(tare_->base_shift_m * kMillimetresPerMetre, 3),
              to_text(tare_->base_rotation_rad / kRadiansPerDegree, 3), to_text(tare_->precurvature_change_per_m, 3));
+  if (tare_->outliers > 0) fmt::print("  {} readings left out as outliers\n", tare_->outliers);
   fmt::print("  positions off by {:.3f} mm before, {:.3f} mm after\n", tare_->residual_before_m * kMillimetresPerMetre,
              tare_->residual_after_m * kMillimetresPerMetre);
 }
@@ -135,6 +136,7 @@ void EstimateReport::print_figures(const RunSummary& s) const {
   fmt::print("innovation chi-square per degree of freedom {:.2f} (1 is as claimed)\n", s.mean_nis_per_dof);
   fmt::print("convergence index: r^T S r {:.3g} (the paper's, mixed units), r^T S^-1 r {:.3g}\n", s.mean_rho_paper,
              s.mean_rho_normalised);
+  fmt::print("sigma holds sensor noise and the force's own motion, nothing of stiffness, precurvature, base or bias\n");
   fmt::print("rod solutions a frame: median {:.0f}, most {}\n", s.median_evaluations, s.most_evaluations);
 }
 
@@ -185,6 +187,8 @@ void EstimateReport::print_json(const RunSummary& s, const Catheter& catheter, c
     json["readings_not_used"][std::string(describe(static_cast<Rejection>(i)))] = s.readings_by_reason[i];
   if (tare_)
     json["tare"] = {{"frames", tare_->frames},
+                    {"outliers", tare_->outliers},
+                    {"largest_change_sigmas", tare_->largest_change_sigmas},
                     {"base_shift_mm", to_array(tare_->base_shift_m * kMillimetresPerMetre)},
                     {"base_rotation_deg", to_array(tare_->base_rotation_rad / kRadiansPerDegree)},
                     {"precurvature_change_per_m", to_array(tare_->precurvature_change_per_m)},

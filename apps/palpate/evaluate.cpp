@@ -52,7 +52,8 @@ nlohmann::json to_json(const Evaluation& e, const std::optional<Vector3d>& bound
                      {"largest_error_N", by_axis(e.largest_N)},
                      {"share_inside_95_percent_interval", by_axis(e.inside_95)},
                      {"share_inside_3_sigma", by_axis(e.inside_3_sigma)},
-                     {"mean_nees", e.mean_nees}};
+                     {"mean_nees", e.mean_nees},
+                     {"frames_without_valid_covariance", e.indefinite}};
   if (bound) {
     out["bound_N"] = by_axis(*bound);
     out["rmse_over_bound"] = by_axis(e.rmse_N.cwiseQuotient(*bound));
@@ -78,6 +79,7 @@ void print_table(const Evaluation& e, const std::optional<Vector3d>& bound) {
   print_row("truth inside 3 sigma", e.inside_3_sigma, "% of frames", 1e2);
   if (bound) print_row("RMSE / bound", e.rmse_N.cwiseQuotient(*bound), "");
   fmt::print("  {:<24}{:>12.4f}  (3 where the covariance is true)\n", "mean NEES", e.mean_nees);
+  if (e.indefinite > 0) fmt::print("{} frames have no valid covariance and are not in the NEES\n", e.indefinite);
 }
 
 int run(const Options& options) {

@@ -44,7 +44,11 @@ Evaluation evaluate(std::span<const EstimateRow> estimate, const ForceTrace& tru
     largest = largest.max(size);
     inside_95 += (size <= 1.959964 * sigma).cast<double>();
     inside_3 += (size <= 3.0 * sigma).cast<double>();
-    out.mean_nees += normalised_error_squared(error, row.covariance_tip_N2);
+    const double nees = normalised_error_squared(error, row.covariance_tip_N2);
+    if (std::isfinite(nees))
+      out.mean_nees += nees;
+    else
+      ++out.indefinite;
   }
   if (out.frames == 0)
     throw InputError(fmt::format(
@@ -57,7 +61,7 @@ Evaluation evaluate(std::span<const EstimateRow> estimate, const ForceTrace& tru
   out.largest_N = largest;
   out.inside_95 = inside_95 / n;
   out.inside_3_sigma = inside_3 / n;
-  out.mean_nees /= n;
+  out.mean_nees /= static_cast<double>(out.frames - out.indefinite);
   return out;
 }
 

@@ -20,7 +20,8 @@ struct Evaluation {
   Vector3d largest_N = Vector3d::Zero();  ///< max |error|
   Vector3d inside_95 = Vector3d::Zero();  ///< share of frames with |error| <= 1.96 sigma
   Vector3d inside_3_sigma = Vector3d::Zero();
-  double mean_nees = 0.0;  ///< normalised estimation error squared; 3 if the covariance is true
+  double mean_nees = 0.0;      ///< normalised estimation error squared; 3 if the covariance is true
+  std::size_t indefinite = 0;  ///< frames whose covariance is none (not positive definite); not in mean_nees
 };
 
 /// The first `skip_s` seconds after the estimate's first frame are left out; every other frame counts, held ones too.

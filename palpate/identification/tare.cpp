@@ -1,68 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <palpate/estimation/kalman.hpp>
+#include <palpate/identification/mean_poses.hpp>
 #include <palpate/identification/tare.hpp>
 #include <palpate/math/errors.hpp>
 #include <palpate/rod/base_loads.hpp>
-#include <palpate/sensing/measurement.hpp>
 #include <palpate/sensing/sensor_model.hpp>
 
 namespace palpate {
 
 namespace {
 
-/// Mean pose of each sensor over the interval, in the nominal base frame.
-struct MeanPoses {
-  struct Entry {
-    Pose T_base_sensor;
-    Vector3d position_sum = Vector3d::Zero();
-    Eigen::Matrix4d quaternion_moment = Eigen::Matrix4d::Zero();  ///< sum of q q^T: its main axis is the mean rotation
-    int count = 0;
-  };
-  std::vector<Entry> sensors;
-  int frames = 0;
-};
-
-MeanPoses average(const Catheter& catheter, std::span<const TrackerFrame> frames, const TareInterval& interval) {
-  MeanPoses mean;
-  mean.sensors.resize(catheter.sensors.size());
-  Measurement measurement;
+/// What the tendon does meanwhile; it is a load that the tare must not take for precurvature.
+TipLoad mean_tendon_load(const Catheter& catheter, std::span<const TrackerFrame> frames, const TareInterval& interval) {
+  Vector3d sum = Vector3d::Zero();
+  int count = 0;
   for (const TrackerFrame& frame : frames) {
-    if (!(frame.time_s >= interval.from_s && frame.time_s <= interval.to_s)) continue;
-    register_frame(catheter, frame, measurement);
-    mean.frames += measurement.count > 0 ? 1 : 0;
-    for (int k = 0; k < measurement.count; ++k) {
-      const auto& [sensor, T] = measurement.poses[k];
-      MeanPoses::Entry& entry = mean.sensors[sensor];
-      const Eigen::Vector4d q = Eigen::Quaterniond(T.R).coeffs();
-      entry.position_sum += T.p;
-      entry.quaternion_moment += q * q.transpose();
-      ++entry.count;
-    }
+    if (!frame.tendon.present || !(frame.time_s >= interval.from_s && frame.time_s <= interval.to_s)) continue;
+    sum.head<2>() += frame.tendon.moment_Nm;
+    ++count;
   }
-  if (mean.frames == 0)
-    throw InputError(fmt::format("reference {}:{} s: no usable frame in the interval", interval.from_s, interval.to_s));
-  for (MeanPoses::Entry& entry : mean.sensors) {
-    if (entry.count == 0) continue;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> axes(entry.quaternion_moment);
-    entry.T_base_sensor.R = Eigen::Quaterniond(Eigen::Vector4d(axes.eigenvectors().col(3))).toRotationMatrix();
-    entry.T_base_sensor.p = entry.position_sum / entry.count;
-  }
-  return mean;
+  TipLoad load;
+  if (count == 0 || interval.straight) return load;
+  const bool couple = catheter.tendon.model == TendonModel::kCouple;
+  (couple ? load.tendon_couple_Nm : load.moment_tip_Nm) = sum / count;
+  return load;
 }
 
 /// The unloaded shaft seen from a base that may stand elsewhere. State: x = (change of u0 [1/m], rho [m], theta [rad]);
 /// the clamp moves to T_base_nominal = (exp(theta), rho).
 class UnloadedModel {
  public:
-  UnloadedModel(const Catheter& catheter, const MeanPoses& mean, bool straight)
-      : catheter_(catheter), mean_(mean), straight_(straight) {
+  UnloadedModel(const Catheter& catheter, const std::vector<MeanPose>& mean, const TipLoad& load, bool straight)
+      : catheter_(catheter), mean_(mean), load_(load), straight_(straight) {
     for (const Sensor& sensor : catheter.sensors) arc_lengths_.push_back(sensor.arc_length_m);
-    for (std::size_t i = 0; i < mean.sensors.size(); ++i)
-      if (mean.sensors[i].count > 0) rows_ += rows_of(catheter.sensors[i].kind);
+    for (std::size_t i = 0; i < mean.size(); ++i)
+      if (mean[i].count > 0) rows_ += rows_of(catheter.sensors[i].kind);
   }
 
   int rows() const { return rows_; }
@@ -70,8 +47,8 @@ class UnloadedModel {
   void noise(ResidualMatrix& R) const {
     R.setZero(rows_, rows_);
     int row = 0;
-    for (std::size_t i = 0; i < mean_.sensors.size(); ++i) {
-      const MeanPoses::Entry& entry = mean_.sensors[i];
+    for (std::size_t i = 0; i < mean_.size(); ++i) {
+      const MeanPose& entry = mean_[i];
       if (entry.count == 0) continue;
       const Sensor& s = catheter_.sensors[i];
       const int rows = rows_of(s.kind);
@@ -89,10 +66,10 @@ class UnloadedModel {
     at.jacobian.resize(rows_, 9);
     position_rms_m = 0.0;
     int row = 0, used = 0;
-    for (std::size_t i = 0; i < mean_.sensors.size(); ++i) {
-      if (mean_.sensors[i].count == 0) continue;
+    for (std::size_t i = 0; i < mean_.size(); ++i) {
+      if (mean_[i].count == 0) continue;
       const Sensor& sensor = catheter_.sensors[i];
-      append_sensor_rows(sensor.kind, predict(sensor, i, T_nominal_base), mean_.sensors[i].T_base_sensor, row, at);
+      append_sensor_rows(sensor.kind, predict(sensor, i, T_nominal_base), mean_[i].T_base_sensor, row, at);
       position_rms_m += at.residual.segment<3>(row).squaredNorm();
       row += rows_of(sensor.kind);
       ++used;
@@ -119,7 +96,7 @@ class UnloadedModel {
     LoadDirections<6> directions;
     directions.precurvature_per_m.leftCols<3>().setIdentity();
     directions.distributed_tip_N_per_m.rightCols<3>() = hat(rod.distributed_load_base_N_per_m);
-    return solve_under_weight(solver, TipLoad{}, directions, workspace, shape_).converged;
+    return solve_under_weight(solver, load_, directions, workspace, shape_).converged;
   }
 
   /// Sensor pose in the nominal base frame: T_nominal_base T_base_sensor, with columns (u0, rho, theta).
@@ -139,7 +116,8 @@ class UnloadedModel {
   static Matrix3d right_jacobian_of(const Matrix3d& R) { return inverse_right_jacobian(log_so3(R)).inverse(); }
 
   const Catheter& catheter_;
-  const MeanPoses& mean_;
+  const std::vector<MeanPose>& mean_;
+  TipLoad load_;
   bool straight_;
   std::vector<double> arc_lengths_;
   int rows_ = 0;
@@ -189,11 +167,18 @@ void correct(Tare& tare, const Gaussian& found, bool straight) {
 }  // namespace
 
 Tare tare(const Catheter& catheter, std::span<const TrackerFrame> frames, const TareInterval& interval) {
-  const MeanPoses mean = average(catheter, frames, interval);
-  UnloadedModel model(catheter, mean, interval.straight);
+  const std::vector<MeanPose> mean = mean_poses(catheter, frames, interval.from_s, interval.to_s);
+  Tare out{.catheter = catheter};
+  for (const MeanPose& pose : mean) {
+    out.frames = std::max(out.frames, pose.count);
+    out.outliers += pose.outliers;
+  }
+  if (out.frames == 0)
+    throw InputError(fmt::format("reference {}:{} s: no usable frame in the interval", interval.from_s, interval.to_s));
+
+  UnloadedModel model(catheter, mean, mean_tendon_load(catheter, frames, interval), interval.straight);
   const Gaussian prior = stated_prior(catheter, interval.straight);
   Linearization at;
-  Tare out{.catheter = catheter, .frames = mean.frames};
   model.linearize(prior.mean, at);
   out.residual_before_m = model.position_rms_m;
   Update update;
@@ -205,6 +190,8 @@ Tare tare(const Catheter& catheter, std::span<const TrackerFrame> frames, const 
                     interval.from_s, interval.to_s));
   hold_fixed(prior, update.posterior);
   correct(out, update.posterior, interval.straight);
+  out.largest_change_sigmas =
+      update.posterior.mean.cwiseQuotient(prior.covariance.diagonal().cwiseSqrt()).cwiseAbs().maxCoeff();
   model.linearize(update.posterior.mean, at);
   out.residual_after_m = model.position_rms_m;
   return out;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -20,7 +21,8 @@ Estimate ForceObserver::update(const TrackerFrame& frame) {
   return report(frame.time_s, step.verdict, status);
 }
 
-/// Random walk: the mean stays, P <- P + q^2 dt I. Gauss-Markov, stationary at N(0, sigma^2 I):
+/// Random walk: the mean stays, P <- P + q^2 dt I; a gap so long that this exceeds the variance before the first frame
+/// has made everything forgotten, and counts as that. Gauss-Markov, stationary at N(0, sigma^2 I):
 /// F <- a F, P <- a^2 P + sigma^2 (1 - a^2) I, a = exp(-dt / memory).
 void ForceObserver::predict(double dt_s) {
   if (options_.force_model == ForceModel::kGaussMarkov) {
@@ -30,8 +32,8 @@ void ForceObserver::predict(double dt_s) {
     state_.covariance.diagonal().array() += sigma * sigma * (1.0 - a * a);
     return;
   }
-  const double q = options_.force_rate_N_per_sqrt_s;
-  state_.covariance.diagonal().array() += q * q * dt_s;
+  const double q = options_.force_rate_N_per_sqrt_s, forgotten = options_.initial_force_sigma_N;
+  state_.covariance.diagonal().array() += std::min(q * q * dt_s, forgotten * forgotten);
 }
 
 /// The usual case first: all sensors, the prediction as prior. What does not fit it is looked into.
@@ -42,7 +44,8 @@ EstimateStatus ForceObserver::explain_frame() {
   if (shape_.rows() == 0) return EstimateStatus::kHeld;
   if (options_.method == Method::kEkf) {
     single_step(state_);
-    if (update_.status == UpdateStatus::kConverged && agrees_with_prediction()) return take(state_);
+    if (update_.status == UpdateStatus::kConverged && agrees_with_prediction() && explains_sensors())
+      return take(state_);
   }
   if (fit(present, state_, state_.mean) && agrees_with_prediction()) return accept(state_);
   return explain_surprise(present);
@@ -95,16 +98,25 @@ bool ForceObserver::fit(unsigned sensors, const Gaussian& prior, const StateVect
 
 bool ForceObserver::agrees_with_prediction() const { return gate_.passes(update_.chi_square, update_.rows); }
 
-/// More equations than unknowns, and the residual no larger than the noise.
+/// The post-fit residual is no larger than the noise.
+bool ForceObserver::explains_sensors() const { return gate_.passes(update_.residual_chi_square, update_.rows); }
+
+/// More equations than unknowns, and the post-fit residual no larger than the noise.
 bool ForceObserver::agrees_with_itself() const {
   const int surplus = update_.rows - static_cast<int>(state_.mean.size());
   return surplus > 0 && gate_.passes(update_.residual_chi_square, surplus);
 }
 
-/// The iterated fit has found sensors and prior good; the EKF then does its own single step on them.
+/// The iterated fit has found sensors and prior good; the EKF then does its own single step on them. Where that step
+/// ends at a force that does not explain the frame, the iterated fit is kept: a bad step would never be found again.
 EstimateStatus ForceObserver::accept(const Gaussian& prior) {
-  if (options_.method == Method::kEkf) single_step(prior);
-  return update_.status == UpdateStatus::kConverged ? take(prior) : EstimateStatus::kNotConverged;
+  if (options_.method != Method::kEkf) return take(prior);
+  const Update iterated = update_;
+  single_step(prior);
+  if (update_.status == UpdateStatus::kConverged && explains_sensors()) return take(prior);
+  update_ = iterated;
+  take(prior);
+  return EstimateStatus::kReseeded;
 }
 
 void ForceObserver::single_step(const Gaussian& prior) {
@@ -141,7 +153,7 @@ Estimate ForceObserver::report(double time_s, FrameTime time, EstimateStatus sta
   out.R_base_tip = R_base_tip_;
   out.force_base_N = R_base_tip_ * out.force_tip_N;
   out.rejections = measurement_.rejections;
-  out.evaluations = shape_.evaluations() - evaluations_before_;
+  out.evaluations = static_cast<int>(shape_.evaluations() - evaluations_before_);
   if (used_ == 0) return out;
   out.used = used_;
   out.sensors_used = std::popcount(used_);

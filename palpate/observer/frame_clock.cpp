@@ -22,7 +22,8 @@ FrameClock::Step FrameClock::advance(double time_s) {
 
   const bool runs_on = in_the_past_ > 0 && time_s > last_rejected_s_;
   in_the_past_ = runs_on ? in_the_past_ + 1 : 1;
-  const double dt = runs_on ? std::min(time_s - last_rejected_s_, kLongestStep_s) : 0.0;
+  if (!runs_on) first_rejected_s_ = time_s;
+  const double dt = std::min(time_s - first_rejected_s_, kLongestStep_s);  // at least this long
   last_rejected_s_ = time_s;
   if (in_the_past_ <= kFramesToResynchronise) return {FrameTime::kStepsBack, 0.0};
   last_s_ = time_s;

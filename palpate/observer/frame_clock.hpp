@@ -18,7 +18,7 @@ enum class FrameTime : std::uint8_t {
 /// Turns time stamps into time steps. It owns no clock: time is what the frames say.
 class FrameClock {
  public:
-  static constexpr double kLongestStep_s = 1.0;  ///< a longer gap counts as this much: nobody knows what happened in it
+  static constexpr double kLongestStep_s = 3600.0;  ///< a longer gap counts as this much
   static constexpr int kFramesToResynchronise = 5;
 
   struct Step {
@@ -32,7 +32,7 @@ class FrameClock {
  private:
   bool started_ = false;
   double last_s_ = 0.0;
-  double last_rejected_s_ = 0.0;  ///< of the run of frames that lie in the past
+  double first_rejected_s_ = 0.0, last_rejected_s_ = 0.0;  ///< of the run of frames that lie in the past
   int in_the_past_ = 0;
 };
 

@@ -20,7 +20,7 @@ void EstimateCsvWriter::write(const Estimate& e) {
   const Matrix3d& P = e.covariance_tip_N2;
   const Vector3d sigma = P.diagonal().cwiseSqrt();
   file_.write(fmt::format(
-      "{},{:.9g},{:.9g},{:.9g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.9g},{:.9g},{:.9g},{},{},{:.6g},{},{}\n",
+      "{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{},{},{:.6g},{},{}\n",
       e.time_s, f.x(), f.y(), f.z(), sigma.x(), sigma.y(), sigma.z(), P(0, 1), P(0, 2), P(1, 2), b.x(), b.y(), b.z(),
       describe(e.status), e.sensors_used, e.nis, e.dof, e.evaluations));
 }

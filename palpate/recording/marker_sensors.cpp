@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <palpate/math/errors.hpp>
 #include <palpate/recording/marker_csv.hpp>
+#include <palpate/rod/base_loads.hpp>
+#include <span>
 
 namespace palpate {
 namespace {
@@ -19,7 +21,8 @@ constexpr double kCollinear = 0.01;
 struct MarkerSensor {
   const Sensor* sensor = nullptr;
   std::vector<std::size_t> markers;
-  Points reference;  ///< mean over the reference interval; pose sensors only
+  Points reference;                                     ///< mean over the reference interval; pose sensors only
+  Matrix3d R_tracker_reference = Matrix3d::Identity();  ///< orientation of the sensor then
 };
 
 std::vector<std::size_t> find_markers(const MarkerRecording& recording, const Sensor& sensor) {
@@ -77,16 +80,30 @@ void refuse_collinear(const MarkerRecording& recording, const MarkerSensor& sens
                                recording.source, sensor.sensor->name, fmt::join(sensor.sensor->markers, ", ")));
 }
 
-MarkerSensor make_sensor(const MarkerRecording& recording, const Sensor& sensor, const RecordingOptions& options) {
+/// Local frame at arc length s of the shaft without tip force, in the base frame.
+Matrix3d unloaded_local_frame(const Catheter& catheter, double s_m) {
+  const RodSolver solver(catheter.rod, std::span(&s_m, 1));
+  RodSolution<3> shape = solver.make_solution<3>();
+  WeightWorkspace<3> workspace = make_weight_workspace<3>(solver);
+  solve_under_weight(solver, TipLoad{}, LoadDirections<3>{}, workspace, shape);
+  return shape.points[0].T_base_local.R;
+}
+
+MarkerSensor make_sensor(const MarkerRecording& recording, const Sensor& sensor, const RecordingOptions& options,
+                         bool on_shaft) {
   MarkerSensor made{&sensor, find_markers(recording, sensor), {}};
   if (sensor.kind == SensorKind::kPosition) return made;
   made.reference = mean_over_reference(recording, made, options);
   refuse_collinear(recording, made);
+  const Catheter& catheter = *options.catheter;
+  const bool bent = on_shaft && !options.reference_straight;
+  made.R_tracker_reference = catheter.base.T_tracker_base.R *
+                             (bent ? unloaded_local_frame(catheter, sensor.arc_length_m) : Matrix3d::Identity()) *
+                             sensor.T_local_sensor.R;
   return made;
 }
 
-SensorReading read_sensor(const MarkerSensor& sensor, const std::vector<Vector3d>& positions,
-                          const Matrix3d& R_tracker_base) {
+SensorReading read_sensor(const MarkerSensor& sensor, const std::vector<Vector3d>& positions) {
   SensorReading reading;
   reading.has_orientation = sensor.sensor->kind != SensorKind::kPosition;
   const Points points = gather(positions, sensor.markers);
@@ -95,7 +112,7 @@ SensorReading read_sensor(const MarkerSensor& sensor, const std::vector<Vector3d
   reading.position_m = points.rowwise().mean();
   if (!reading.has_orientation) return reading;
   const Matrix3d R_moved = Eigen::umeyama(sensor.reference, points, false).topLeftCorner<3, 3>();
-  const Eigen::Quaterniond q(Matrix3d(R_moved * R_tracker_base));
+  const Eigen::Quaterniond q(Matrix3d(R_moved * sensor.R_tracker_reference));
   reading.quaternion_wxyz << q.w(), q.x(), q.y(), q.z();
   return reading;
 }
@@ -108,8 +125,8 @@ TrackerRecording assemble_sensors(const MarkerRecording& markers, const Recordin
   }
   const Catheter& catheter = *options.catheter;
   std::vector<MarkerSensor> sensors;
-  for (const Sensor& sensor : catheter.sensors) sensors.push_back(make_sensor(markers, sensor, options));
-  if (catheter.base.tracked) sensors.push_back(make_sensor(markers, catheter.base.sensor, options));
+  for (const Sensor& sensor : catheter.sensors) sensors.push_back(make_sensor(markers, sensor, options, true));
+  if (catheter.base.tracked) sensors.push_back(make_sensor(markers, catheter.base.sensor, options, false));
 
   TrackerRecording recording;
   recording.source = markers.source;
@@ -120,7 +137,7 @@ TrackerRecording assemble_sensors(const MarkerRecording& markers, const Recordin
     frame.time_s = markers.times_s[i];
     frame.number = static_cast<std::int64_t>(i);
     for (const MarkerSensor& sensor : sensors) {
-      frame.readings.push_back(read_sensor(sensor, markers.positions_m[i], catheter.base.T_tracker_base.R));
+      frame.readings.push_back(read_sensor(sensor, markers.positions_m[i]));
     }
   }
   return recording;

@@ -24,8 +24,9 @@ struct TrackerRecording {
 /// What a marker file needs to become sensor poses; other formats need none of it.
 struct RecordingOptions {
   const Catheter* catheter = nullptr;  ///< whose sensors list `markers`
-  double reference_from_s = 0.0;       ///< interval in which a triad's axes equal the base axes
+  double reference_from_s = 0.0;       ///< interval in which a triad is as the unloaded (or straight) shaft holds it
   double reference_to_s = 0.0;
+  bool reference_straight = false;  ///< the shaft is held straight there; otherwise its own bend and weight act
 };
 
 /// Recognises the format by name and content and reads it: tracker CSV, PLUS sequence (.mha), NDI CSV, marker CSV, MR

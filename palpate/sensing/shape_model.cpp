@@ -40,6 +40,10 @@ ShapeModel::ShapeModel(const Catheter& catheter, MeasurementKind kind, Accuracy 
   if (order.empty())
     throw InputError("measurement = \"tip_and_curvature\": expected at least one sensor of kind \"pose\"");
   tip_ = order[0];
+  for (const Sensor& sensor : catheter_.sensors)
+    if (sensor.arc_length_m > catheter_.sensors[tip_].arc_length_m)
+      throw InputError(fmt::format(
+          "measurement = \"tip_and_curvature\": sensor \"{}\": expected kind \"pose\" at the tip", sensor.name));
   if (order.size() > 1) behind_ = order[1];
   if (behind_ >= 0 && segment_m() <= 0.0)
     throw InputError(fmt::format("measurement = \"tip_and_curvature\": sensors \"{}\" and \"{}\" share one arc length",

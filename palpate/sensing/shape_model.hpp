@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <palpate/math/linearization.hpp>
 #include <palpate/rod/base_loads.hpp>
 #include <palpate/sensing/measurement.hpp>
@@ -38,7 +39,7 @@ class ShapeModel {
 
   /// Tip frame in the base frame at the last linearization: turns F into base components.
   const Pose& T_base_tip() const { return solution_.T_base_tip; }
-  int evaluations() const { return evaluations_; }  ///< integrations of the rod since construction
+  std::int64_t evaluations() const { return evaluations_; }  ///< integrations of the rod since construction
 
  private:
   struct Row {
@@ -63,7 +64,8 @@ class ShapeModel {
   int tip_ = 0, behind_ = -1;  ///< the two most distal pose sensors: the paper's vector
 
   std::array<Row, kMaxSensors> selected_;
-  int selected_count_ = 0, rows_ = 0, evaluations_ = 0;
+  int selected_count_ = 0, rows_ = 0;
+  std::int64_t evaluations_ = 0;
   bool curvature_ = false;
   unsigned used_ = 0;
   Channels channels_{};

@@ -163,6 +163,42 @@ TEST(Tare, OnlyTheIntervalCounts) {
   EXPECT_EQ(found.base_shift_m, expected.base_shift_m);
 }
 
+TEST(Tare, GrossOutliersDoNotMoveIt) {
+  const Catheter catheter = uncertain(test::two_sensors());
+  std::vector<TrackerFrame> frames = unloaded(catheter, 3, 2.0);
+  const Tare clean = tare(catheter, frames, kAll);
+  frames[5].readings[0].position_m.x() += 0.025;
+  frames[9].readings[0].position_m.y() = 1e200;
+  frames[20].readings[1].quaternion_wxyz = Eigen::Vector4d(0.5, 0.5, 0.5, 0.5);
+  const Tare spoilt = tare(catheter, frames, kAll);
+  EXPECT_EQ(clean.outliers, 0);
+  EXPECT_EQ(spoilt.outliers, 3);
+  EXPECT_LT((spoilt.precurvature_change_per_m - clean.precurvature_change_per_m).norm(), 0.1);
+  EXPECT_LT((spoilt.base_shift_m - clean.base_shift_m).norm(), 1e-4);
+}
+
+/// A tendon's couple bends the shaft meanwhile; taken for precurvature it would act twice afterwards.
+TEST(Tare, TendonIsALoadAndNoPrecurvature) {
+  Catheter bent = uncertain(test::two_sensors());
+  Catheter pulled = bent;
+  pulled.tendon.present = true;
+  pulled.rod.sections[0].precurvature_per_m.setZero();
+  const Section& section = bent.rod.sections[0];
+  const Vector3d couple = section.stiffness_Nm2.cwiseProduct(section.precurvature_per_m);
+  std::vector<TrackerFrame> frames = unloaded(bent, 5);
+  for (TrackerFrame& frame : frames) frame.tendon = {.present = true, .moment_Nm = couple.head<2>(), .sigma_Nm = 0.0};
+  const Tare found = tare(pulled, frames, kAll);
+  EXPECT_LT(found.largest_change_sigmas, 4.0);
+  EXPECT_LT(found.precurvature_change_per_m.norm(), 1.0);
+}
+
+TEST(Tare, ALoadedIntervalIsSuspicious) {
+  const Catheter catheter = uncertain(test::two_sensors());
+  const auto push = [](double) -> Vector3d { return {0.0, 0.1, -0.1}; };
+  const auto loaded = simulate_tracker(catheter, push, {.duration_s = 1.0}).frames;
+  EXPECT_GT(tare(catheter, loaded, kAll).largest_change_sigmas, 4.0);
+}
+
 TEST(Tare, NothingUsableInTheIntervalIsRefused) {
   const Catheter stated = uncertain(test::two_sensors());
   std::vector<TrackerFrame> frames = unloaded(stated);

@@ -65,6 +65,36 @@ TEST(ForceObserver, GaussMarkovForceForgetsToItsStatedSpread) {
   EXPECT_LT((forgotten.covariance_tip_N2 - 0.01 * Matrix3d::Identity()).norm(), 1e-9);
 }
 
+/// After a gap everything may have happened, but no more than before the first frame.
+TEST(ForceObserver, ALongGapForgetsEverythingAndNoMore) {
+  const Catheter catheter = test::two_sensors();
+  ForceObserver observer(catheter, {.initial_force_sigma_N = 0.3});
+  TrackerFrame frame = test::exact_frame(catheter, Vector3d::Zero(), 0.0);
+  const Matrix3d known = observer.update(frame).covariance_tip_N2;
+  for (SensorReading& reading : frame.readings) reading.status = SensorReading::Status::kMissing;
+  frame.time_s = 3600.0;
+  const Matrix3d grown = observer.update(frame).covariance_tip_N2 - known;
+  EXPECT_LT((grown - 0.09 * Matrix3d::Identity()).norm(), 1e-12);
+}
+
+/// One linear step may end anywhere; what does not explain the frame must not become the state.
+TEST(ForceObserver, EkfKeepsTheIteratedFitWhereItsStepFails) {
+  const Catheter catheter = test::two_sensors();
+  Draws draws(72);
+  int reseeded = 0;
+  for (int trial = 0; trial < 50; ++trial) {
+    ForceObserver observer(catheter, {.method = Method::kEkf});
+    const Vector3d force = 0.2 * draws.normal3().normalized();
+    observer.update(test::exact_frame(catheter, Vector3d::Zero(), 0.0));
+    const Estimate e = observer.update(test::exact_frame(catheter, force, 0.025));
+    reseeded += e.status == EstimateStatus::kReseeded ? 1 : 0;
+    if (e.used == 0) continue;
+    const Eigen::Array3d sigma = e.covariance_tip_N2.diagonal().array().sqrt();
+    EXPECT_TRUE(((e.force_tip_N - force).array().abs() <= 6.0 * sigma).all()) << "trial " << trial;
+  }
+  EXPECT_GT(reseeded, 0) << "else nothing was tested";
+}
+
 TEST(ForceObserver, RefusesWhatItCannotDoYet) {
   const Catheter catheter = test::two_sensors();
   EXPECT_THROW(ForceObserver(catheter, {.method = Method::kUkf}), InputError);

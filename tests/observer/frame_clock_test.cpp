@@ -32,11 +32,11 @@ TEST(FrameClock, LaterFramesAdvanceByTheDifference) {
   expect(clock.advance(10.125), FrameTime::kAdvanced, 0.1);
 }
 
-TEST(FrameClock, LongGapCountsAsOneSecond) {
+TEST(FrameClock, AVeryLongGapIsClamped) {
   FrameClock clock;
   clock.advance(0.0);
-  expect(clock.advance(3600.0), FrameTime::kAdvanced, FrameClock::kLongestStep_s);
-  expect(clock.advance(3600.5), FrameTime::kAdvanced, 0.5);
+  expect(clock.advance(7200.0), FrameTime::kAdvanced, FrameClock::kLongestStep_s);
+  expect(clock.advance(7200.5), FrameTime::kAdvanced, 0.5);
 }
 
 TEST(FrameClock, SameTimeStandsStillAndDoesNotDisturbTheNextStep) {
@@ -69,7 +69,7 @@ TEST(FrameClock, AClockSetBackThatRunsOnIsAcceptedAfterFiveFrames) {
   clock.advance(100.0);
   for (int i = 0; i < FrameClock::kFramesToResynchronise; ++i)
     expect(clock.advance(10.0 + 0.1 * i), FrameTime::kStepsBack, 0.0);
-  expect(clock.advance(10.5), FrameTime::kResynchronised, 0.1);
+  expect(clock.advance(10.5), FrameTime::kResynchronised, 0.5);
   expect(clock.advance(10.6), FrameTime::kAdvanced, 0.1);
 }
 
@@ -92,9 +92,9 @@ TEST(FrameClock, AGoodFrameBetweenEndsTheRun) {
 
 TEST(FrameClock, ResynchronisingStepIsClampedToo) {
   FrameClock clock;
-  clock.advance(1000.0);
+  clock.advance(1e6);
   for (int i = 0; i < FrameClock::kFramesToResynchronise; ++i) clock.advance(10.0 * i);
-  expect(clock.advance(500.0), FrameTime::kResynchronised, FrameClock::kLongestStep_s);
+  expect(clock.advance(5e5), FrameTime::kResynchronised, FrameClock::kLongestStep_s);
 }
 
 }  // namespace

@@ -67,6 +67,7 @@ class MarkerSensors : public MarkerCsv {
     catheter_.sensors = {marker_sensor("tip", SensorKind::kPose, {"a", "b", "c"}),
                          marker_sensor("mid", SensorKind::kPosition, {"b", "d"})};
     catheter_.base.T_tracker_base.R = exp_so3({0.3, -0.2, 0.9});
+    catheter_.rod = uniform_rod(0.1, {1e-3, 1e-3, 1e-3}, Vector3d::Zero());
     options_ = {&catheter_, 0.0, 0.5};
   }
 
@@ -90,6 +91,20 @@ TEST_F(MarkerSensors, TriadTurnsWithItsMarkersFromTheBaseAxes) {
   EXPECT_TRUE(r.frames[0].readings[1].position_m.isApprox(Vector3d(0.065, 0.1, 0.2), 1e-12));
   EXPECT_FALSE(r.frames[0].readings[1].has_orientation);
   for (const auto& reading : r.frames[2].readings) EXPECT_EQ(reading.status, SensorReading::Status::kMissing);
+}
+
+/// An unloaded shaft holds its end turned by k1 L about d1 (a circular arc); held straight, not at all.
+TEST_F(MarkerSensors, TriadStartsAsTheUnloadedShaftHoldsIt) {
+  catheter_.rod = uniform_rod(0.1, {1e-3, 1e-3, 1e-3}, {20.0, 0.0, 0.0});
+  catheter_.sensors[0].arc_length_m = 0.1;
+  catheter_.sensors[0].T_local_sensor.R = exp_so3({0.1, 0.2, 0.3});
+  for (const bool straight : {false, true}) {
+    options_.reference_straight = straight;
+    const auto q = assemble_sensors(recording_, options_).frames[0].readings[0].quaternion_wxyz;
+    const Matrix3d R_base_local = exp_so3({straight ? 0.0 : 2.0, 0.0, 0.0});
+    const Matrix3d expected = catheter_.base.T_tracker_base.R * R_base_local * catheter_.sensors[0].T_local_sensor.R;
+    EXPECT_TRUE(Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix().isApprox(expected, 1e-7)) << straight;
+  }
 }
 
 TEST_F(MarkerSensors, ATrackedBaseComesLast) {
@@ -125,7 +140,8 @@ TEST_F(MarkerCsv, RealBeam) {
   Catheter catheter;
   catheter.sensors = {marker_sensor("tip", SensorKind::kPosition, {"tip2", "tip3"}),
                       marker_sensor("end", SensorKind::kPose, {"tip1", "tip2", "tip3"})};
-  const RecordingOptions options{&catheter, 0.0, 0.195};
+  const RecordingOptions options{
+      .catheter = &catheter, .reference_from_s = 0.0, .reference_to_s = 0.195, .reference_straight = true};
   const auto load52 = read_tracker_recording(folder / "beam_load52_V2_a.csv", options);
   EXPECT_EQ(read_tracker_recording(folder / "beam_gravity_V2_a.csv", options).frames.size(), 500u);
   EXPECT_EQ(load52.frames.size(), 600u);

@@ -106,5 +106,15 @@ TEST(Screening, EveryReasonHasItsWord) {
   EXPECT_EQ(describe(Rejection::kOutlier), "outlier");
 }
 
+/// Devices write zeros for the orientation of a tool that has none.
+TEST(Screening, APositionSensorNeedsNoQuaternion) {
+  SensorReading reading;
+  reading.status = SensorReading::Status::kOk;
+  reading.has_orientation = true;
+  reading.position_m = {0.1, 0.2, 0.3};
+  EXPECT_EQ(screen(reading, SensorKind::kPosition), Rejection::kNone);
+  EXPECT_EQ(screen(reading, SensorKind::kPose), Rejection::kZeroQuaternion);
+}
+
 }  // namespace
 }  // namespace palpate

@@ -159,6 +159,12 @@ TEST_P(ShapeModelConformance, ForceThatIsNotFiniteIsRefused) {
   EXPECT_FALSE(model_.linearize(Vector3d(std::numeric_limits<double>::infinity(), 0.0, 0.0), out));
 }
 
+TEST(ShapeModel, PapersVectorWantsAFullPoseAtTheTip) {
+  Catheter catheter = test::two_sensors();
+  catheter.sensors[0].kind = SensorKind::kPose5;
+  EXPECT_THROW(ShapeModel(catheter, MeasurementKind::kTipAndCurvature), InputError);
+}
+
 INSTANTIATE_TEST_SUITE_P(Every, ShapeModelConformance, ::testing::ValuesIn(kCases),
                          [](const auto& test_case) { return std::string(test_case.param.name); });
 
