@@ -22,7 +22,7 @@ namespace {
 void warn_of_doubtful_tare(const Catheter& catheter, const Tare& found, std::vector<std::string>& warnings) {
   const BaseRegistration& base = catheter.base;
   if (base.position_sigma_m == 0.0 && base.rotation_sigma_rad == 0.0 && catheter.precurvature_sigma_per_m.isZero(0.0))
-    warnings.push_back(
+    warnings.emplace_back(
         "reference: corrects nothing, for the catheter file states no position_sigma_mm, "
         "rotation_sigma_deg or precurvature_sigma_per_m");
   if (found.largest_change_sigmas > 4.0)

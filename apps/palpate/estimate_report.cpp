@@ -61,7 +61,7 @@ void EstimateReport::add(const Estimate& estimate, std::size_t readings) {
   if (average_) average_->add(estimate);
   times_s_.push_back(estimate.time_s);
   force_N_.push_back(estimate.force_tip_N);
-  sigma_N_.push_back(estimate.covariance_tip_N2.diagonal().cwiseSqrt());
+  sigma_N_.emplace_back(estimate.covariance_tip_N2.diagonal().cwiseSqrt());
   updated_.push_back(estimate.used != 0);
 }
 

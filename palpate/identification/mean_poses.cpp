@@ -18,6 +18,7 @@ Vector3d median_position(const std::vector<Pose>& poses) {
   Vector3d m;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> along;
+    along.reserve(poses.size());
     for (const Pose& T : poses) along.push_back(T.p(axis));
     m(axis) = median(std::move(along));
   }
@@ -39,6 +40,7 @@ Matrix3d mean_rotation(const std::vector<Pose>& poses) {
 template <class Distance>
 void drop_outliers(std::vector<Pose>& poses, double noise, const Distance& distance) {
   std::vector<double> distances;
+  distances.reserve(poses.size());
   for (const Pose& T : poses) distances.push_back(distance(T));
   const double largest = 8.0 * std::max(noise, 1.4826 * median(distances));
   std::erase_if(poses, [&](const Pose& T) { return !(distance(T) <= largest); });

@@ -162,7 +162,7 @@ TEST(ForceObserver, IsConsistentOnTheForceItBelievesIn) {
   const Catheter catheter = test::two_sensors();
   Draws draws(72);
   std::vector<Vector3d> walk{Vector3d::Zero()};
-  for (int i = 1; i < 400; ++i) walk.push_back(walk.back() + 0.05 * std::sqrt(0.025) * draws.normal3());
+  for (int i = 1; i < 400; ++i) walk.emplace_back(walk.back() + 0.05 * std::sqrt(0.025) * draws.normal3());
   const ForceSchedule schedule = [&](double time_s) {
     return walk[static_cast<std::size_t>(std::lround(40.0 * time_s))];
   };
