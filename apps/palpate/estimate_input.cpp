@@ -94,7 +94,8 @@ void attach_tendon(const std::string& path, const Catheter& catheter, TrackerRec
                    std::vector<std::string>& warnings) {
   if (path.empty()) {
     if (catheter.tendon.present)
-      warnings.emplace_back("tendon: the catheter file has one, but no --tendon was given: its moment is taken as zero");
+      warnings.emplace_back(
+          "tendon: the catheter file has one, but no --tendon was given: its moment is taken as zero");
     return;
   }
   if (!catheter.tendon.present)
