@@ -8,12 +8,13 @@
 
 namespace palpate {
 
-/// What happened over a run of the observer: every frame and every refused reading is accounted for.
+/// What happened over a run of the observer: every frame and every reading is accounted for.
 struct RunSummary {
   std::size_t frames = 0;
   double first_time_s = 0.0, last_time_s = 0.0;
   std::array<std::size_t, kEstimateStatuses> by_status{};
-  std::array<std::size_t, kRejections> readings_by_reason{};  ///< kNone: readings that were used or usable
+  /// kNone: readings that were used or usable; kAbsent: none at all, for the frame does not speak of the sensor.
+  std::array<std::size_t, kRejections> readings_by_reason{};
   std::size_t time_stood_still = 0, time_stepped_back = 0, time_not_finite = 0, clock_resynchronised = 0;
 
   Vector3d mean_force_tip_N = Vector3d::Zero();  ///< over updated frames

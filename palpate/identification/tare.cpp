@@ -99,13 +99,20 @@ class UnloadedModel {
     return solve_under_weight(solver, load_, directions, workspace, shape_).converged;
   }
 
-  /// Sensor pose in the nominal base frame: T_nominal_base T_base_sensor, with columns (u0, rho, theta).
+  /// Sensor pose in the nominal base frame: T_nominal_base T_base_sensor, with columns (u0, rho, theta). To a sensor
+  /// with a registration of its own the nominal base frame is the true one; only the weight turns against it.
   PredictedSensor<9> predict(const Sensor& sensor, std::size_t i, const Pose& T_nominal_base) const {
     const PredictedSensor<6> own = predict_sensor(sensor, shape_.points[i], shape_.tangents[i]);
     const auto by_precurvature = [](const auto& m) { return m.template leftCols<3>(); };
     const auto by_turn = [](const auto& m) { return m.template rightCols<3>(); };
     const Matrix3d turn = right_jacobian_of(T_nominal_base.R), R = own.T_base_sensor.R;
     PredictedSensor<9> seen;
+    if (sensor.T_tracker_base) {
+      seen.T_base_sensor = own.T_base_sensor;
+      seen.rotation << by_precurvature(own.rotation), Matrix3d::Zero(), by_turn(own.rotation) * turn;
+      seen.position_m << by_precurvature(own.position_m), Matrix3d::Zero(), by_turn(own.position_m) * turn;
+      return seen;
+    }
     seen.T_base_sensor = T_nominal_base * own.T_base_sensor;
     seen.rotation << by_precurvature(own.rotation), Matrix3d::Zero(), (R.transpose() + by_turn(own.rotation)) * turn;
     seen.position_m << T_nominal_base.R * by_precurvature(own.position_m), Matrix3d::Identity(),

@@ -28,9 +28,10 @@ struct Tare {
 
 /// Most probable base pose and precurvature given the sensors' mean poses in the interval and what the catheter file
 /// states (values and sigmas): a MAP estimate by iterated updates. What has sigma 0 stays as it is; so does the base
-/// where it is tracked, and the precurvature where the shaft is held straight. A tendon's mean moment acts as stated.
-/// `frames`: readings in the order of Catheter::sensors. Throws InputError where the interval holds no usable frame or
-/// the fit does not converge.
+/// where it is tracked, and the precurvature where the shaft is held straight. A sensor with a registration of its own
+/// (Sensor::T_tracker_base) keeps it, for how [base] is off in one tracker says nothing of another: it helps to find
+/// the precurvature. A tendon's mean moment acts as stated. `frames`: readings in the order of Catheter::sensors.
+/// Throws InputError where the interval holds no usable frame or the fit does not converge.
 Tare tare(const Catheter& catheter, std::span<const TrackerFrame> frames, const TareInterval& interval);
 
 }  // namespace palpate

@@ -41,6 +41,8 @@ void validate_sensor(const Sensor& sensor, const std::string& name) {
   if (sensor.kind != SensorKind::kPosition) require_positive(name + " noise_rad", sensor.noise_rad);
   require_sigma(name + " bias_m", sensor.bias_m);
   require_sigma(name + " bias_rad", sensor.bias_rad);
+  if (sensor.T_tracker_base) validate_pose(name + " base", *sensor.T_tracker_base);
+  if (!std::isfinite(sensor.delay_s)) refuse(name + " delay_s", sensor.delay_s, "a finite number");
 }
 
 void validate_names(const std::vector<Sensor>& sensors, const BaseRegistration& base) {
@@ -65,6 +67,10 @@ void validate_base(const BaseRegistration& base) {
   require_sigma("base rotation_sigma_rad", base.rotation_sigma_rad);
   if (!base.tracked) return;
   validate_sensor(base.sensor, fmt::format("base sensor '{}'", base.sensor.name));
+  if (base.sensor.T_tracker_base) {
+    throw InputError(fmt::format("catheter: base sensor '{}': base pose: expected none, for it measures the base",
+                                 base.sensor.name));
+  }
   if (base.sensor.kind != SensorKind::kPose) {
     throw InputError(
         fmt::format("catheter: base sensor '{}': kind: expected pose, six degrees of freedom", base.sensor.name));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <palpate/math/pose.hpp>
 #include <palpate/math/units.hpp>
 #include <palpate/rod/rod.hpp>
@@ -27,6 +28,9 @@ struct Sensor {
   double noise_rad = 0.17 * kRadiansPerDegree;     ///< white noise of the orientation, per axis
   double bias_m = 0.0;                             ///< slowly varying accuracy error, rms in 3-D
   double bias_rad = 0.0;
+  std::optional<Pose>
+      T_tracker_base;                ///< the clamp in the frame of this sensor's own tracker or image; else the base's
+  double delay_s = 0.0;              ///< its time stamps are later than the event by this much
   std::vector<std::string> markers;  ///< optical capture: midpoint (position) or triad (pose) of these
 };
 
@@ -60,6 +64,11 @@ struct Catheter {
   BaseRegistration base;
   double stiffness_sigma_fraction = 0.0;
   Vector3d precurvature_sigma_per_m = Vector3d::Zero();
+
+  /// The clamp in the frame in which `sensor` is measured: its own registration, or the fixed one of the base.
+  const Pose& T_tracker_base(const Sensor& sensor) const {
+    return sensor.T_tracker_base ? *sensor.T_tracker_base : base.T_tracker_base;
+  }
 
   /// Throws InputError naming the sensor or parameter, its value and the range.
   void validate() const;

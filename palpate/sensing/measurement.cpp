@@ -23,17 +23,22 @@ void register_frame(const Catheter& catheter, const TrackerFrame& frame, Measure
     measurement.rejections[i] = screen(frame.readings[i], catheter.sensors[i].kind);
 
   Pose T_tracker_base = catheter.base.T_tracker_base;
+  bool base_known = true;
   if (catheter.base.tracked) {
     const SensorReading& base = frame.readings[sensors];
     measurement.rejections[sensors] = screen(base, SensorKind::kPose);
-    if (measurement.rejections[sensors] != Rejection::kNone) return;
-    T_tracker_base = reading_pose(base) * catheter.base.sensor.T_local_sensor.inverse();
+    base_known = measurement.rejections[sensors] == Rejection::kNone;
+    if (base_known) T_tracker_base = reading_pose(base) * catheter.base.sensor.T_local_sensor.inverse();
   }
   const Pose T_base_tracker = T_tracker_base.inverse();
-  for (std::size_t i = 0; i < sensors; ++i)
-    if (measurement.rejections[i] == Rejection::kNone)
-      measurement.poses[static_cast<std::size_t>(measurement.count++)] = {
-          static_cast<int>(i), T_base_tracker * reading_pose(frame.readings[i])};
+  for (std::size_t i = 0; i < sensors; ++i) {
+    const Sensor& sensor = catheter.sensors[i];
+    const bool own_base = sensor.T_tracker_base.has_value();
+    if (measurement.rejections[i] != Rejection::kNone || !(own_base || base_known)) continue;
+    measurement.poses[static_cast<std::size_t>(measurement.count++)] = {
+        static_cast<int>(i),
+        (own_base ? sensor.T_tracker_base->inverse() : T_base_tracker) * reading_pose(frame.readings[i])};
+  }
 }
 
 }  // namespace palpate

@@ -19,7 +19,9 @@ struct Measurement {
 };
 
 /// Screens every reading and registers the good ones: T_base_sensor = T_tracker_base^-1 T_tracker_sensor, with the
-/// base from the catheter file or, where it is tracked, from its own sensor in the same frame (lost base: count = 0).
+/// clamp as the sensor's own registration has it (Sensor::T_tracker_base), else from the catheter file or, where it is
+/// tracked, from its own sensor in the same frame. A base that is lost or not in the frame leaves out the sensors that
+/// need it: the base may have moved since it was seen last, and nothing says by how much.
 /// No allocation. Precondition: frame.readings has one entry a sensor (and one for a tracked base).
 void register_frame(const Catheter& catheter, const TrackerFrame& frame, Measurement& measurement);
 

@@ -7,11 +7,12 @@ namespace palpate {
 std::string_view describe(Rejection rejection) {
   constexpr std::array<std::string_view, kRejections> words{
       "none",          "missing",        "not finite", "zero quaternion", "non-unit quaternion",
-      "identity pose", "no orientation", "outlier"};
+      "identity pose", "no orientation", "outlier",    "not in the frame"};
   return words[static_cast<std::size_t>(rejection)];
 }
 
 Rejection screen(const SensorReading& reading, SensorKind kind) {
+  if (reading.status == SensorReading::Status::kAbsent) return Rejection::kAbsent;
   if (reading.status == SensorReading::Status::kMissing) return Rejection::kMissing;
   if (!reading.position_m.allFinite()) return Rejection::kNotFinite;
   const bool exact_origin = reading.position_m.isZero(0.0);

@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// Why a reading is not used. Each is counted; none of them touches the estimate.
+/// Why a reading is not used. Each is counted; none of them touches the estimate. All but kAbsent are faults.
 enum class Rejection : std::uint8_t {
   kNone,
   kMissing,    ///< the tracker says so itself
@@ -19,8 +19,9 @@ enum class Rejection : std::uint8_t {
   kIdentityPose,       ///< exactly identity: how some drivers report a fault with status OK
   kNoOrientation,      ///< a point where the catheter expects a pose
   kOutlier,            ///< no plausible force explains it together with the other sensors
+  kAbsent,             ///< the frame does not speak of this sensor
 };
-inline constexpr std::size_t kRejections = 8;
+inline constexpr std::size_t kRejections = 9;
 
 /// Short words for summaries: "missing", "not finite", ...
 std::string_view describe(Rejection rejection);

@@ -45,6 +45,14 @@ ShapeModel::ShapeModel(const Catheter& catheter, MeasurementKind kind, Accuracy 
       throw InputError(fmt::format(
           "measurement = \"tip_and_curvature\": sensor \"{}\": expected kind \"pose\" at the tip", sensor.name));
   if (order.size() > 1) behind_ = order[1];
+  const bool two_bases =
+      catheter_.base.tracked && behind_ >= 0 &&
+      catheter_.sensors[tip_].T_tracker_base.has_value() != catheter_.sensors[behind_].T_tracker_base.has_value();
+  if (two_bases)  // otherwise the noise of a tracked base cancels in the curvature
+    throw InputError(
+        fmt::format("measurement = \"tip_and_curvature\": sensors \"{}\" and \"{}\": expected a registration of "
+                    "their own for both, or the tracked base for both",
+                    catheter_.sensors[tip_].name, catheter_.sensors[behind_].name));
   if (behind_ >= 0 && segment_m() <= 0.0)
     throw InputError(fmt::format("measurement = \"tip_and_curvature\": sensors \"{}\" and \"{}\" share one arc length",
                                  catheter_.sensors[tip_].name, catheter_.sensors[behind_].name));
@@ -161,16 +169,18 @@ void ShapeModel::curvature_noise(ResidualMatrix& R) const {
   R.block<3, 3>(selected_[0].first + 3, row.first) = shared.transpose();
 }
 
-/// A tracked base is measured with noise too, and all sensors share it: the base moved by the twist (rho, theta) moves
-/// every pose in it by -rho + p x theta and -R^T theta.
+/// A tracked base is measured with noise too, and all sensors share it but those with a registration of their own: the
+/// base moved by the twist (rho, theta) moves every pose in it by -rho + p x theta and -R^T theta.
 void ShapeModel::add_base_noise(ResidualMatrix& R) const {
   const Sensor& base = catheter_.base.sensor;
   const Pose& mount = base.T_local_sensor;
   Eigen::Matrix<double, Eigen::Dynamic, 6, 0, kMaxResiduals, 6> B;
   B.setZero(rows_, 6);
   for (int k = 0; k < selected_count_; ++k) {
+    const Sensor& sensor = catheter_.sensors[selected_[k].measured->sensor];
+    if (sensor.T_tracker_base) continue;
     const Pose& T = selected_[k].measured->T_base_sensor;
-    const int first = selected_[k].first, turns = rows_of(catheter_.sensors[selected_[k].measured->sensor].kind) - 3;
+    const int first = selected_[k].first, turns = rows_of(sensor.kind) - 3;
     B.block<3, 3>(first, 0).diagonal() = -base.noise_m;  // along the base axes, as for every sensor
     B.block<3, 3>(first, 3) = hat(T.p - mount.p) * mount.R * base.noise_rad;
     B.block(first + 3, 3, turns, 3) = (-T.R.transpose() * mount.R * base.noise_rad).topRows(turns);

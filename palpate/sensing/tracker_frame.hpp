@@ -10,7 +10,11 @@ namespace palpate {
 
 /// What the tracker says about one sensor at one time, unchecked: any number may be NaN, any quaternion broken.
 struct SensorReading {
-  enum class Status : std::uint8_t { kMissing, kOk };
+  enum class Status : std::uint8_t {
+    kMissing,  ///< the tracker does not see it
+    kOk,
+    kAbsent,  ///< the frame does not speak of it: another tracker's, or one with times of its own
+  };
 
   Status status = Status::kMissing;
   bool has_orientation = false;                               ///< false: a point only
@@ -26,7 +30,8 @@ struct TendonReading {
   double sigma_Nm = 0.0;
 };
 
-/// One instant of the tracker. `readings` follow Catheter::sensors; the base sensor, if tracked, comes last.
+/// One instant of a tracker, or of several. `readings` follow Catheter::sensors; the base sensor, if tracked, comes
+/// last.
 struct TrackerFrame {
   double time_s = 0.0;
   std::int64_t number = 0;

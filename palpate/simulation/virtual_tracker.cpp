@@ -77,8 +77,9 @@ VirtualRecording simulate_tracker(const Catheter& catheter, const ForceSchedule&
       throw InputError(fmt::format("force at {} s: no equilibrium found under the rod's own weight", frame.time_s));
     for (std::size_t i = 0; i < catheter.sensors.size(); ++i) {
       const Sensor& sensor = catheter.sensors[i];
-      const Pose T = T_tracker_base * shape.points[i].T_base_local * sensor.T_local_sensor;
-      frame.readings.push_back(read_sensor(sensor, T, T_tracker_base.R, options, noise));
+      const Pose& T_own_base = catheter.T_tracker_base(sensor);
+      const Pose T = T_own_base * shape.points[i].T_base_local * sensor.T_local_sensor;
+      frame.readings.push_back(read_sensor(sensor, T, T_own_base.R, options, noise));
     }
     if (catheter.base.tracked) {
       const Sensor& base = catheter.base.sensor;

@@ -35,8 +35,8 @@ struct VirtualRecording {
 
 /// Runs the schedule on the catheter at Accuracy::kReference. Noise as the catheter's sensors state it: white, position
 /// along the base axes, orientation R exp(n) in sensor axes; a tracked base included, standing at
-/// BaseRegistration::T_tracker_base. Throws InputError on unusable options, and where a force has no equilibrium under
-/// the rod's own weight.
+/// BaseRegistration::T_tracker_base; each sensor in its own tracker's frame (Catheter::T_tracker_base). Throws
+/// InputError on unusable options, and where a force has no equilibrium under the rod's own weight.
 VirtualRecording simulate_tracker(const Catheter& catheter, const ForceSchedule& force,
                                   const VirtualTrackerOptions& options);
 

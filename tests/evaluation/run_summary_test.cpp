@@ -71,6 +71,15 @@ TEST(RunSummary, EveryFrameAndEveryReadingIsAccountedFor) {
   EXPECT_EQ(s.most_evaluations, 40);
 }
 
+TEST(RunSummary, SensorsThatAreNotInAFrameAreCountedApart) {
+  RunSummaryBuilder builder;
+  Estimate e = updated(1.0, {0, 0, 0}, 0.1, 12.0, 1);
+  e.rejections = {Rejection::kNone, Rejection::kAbsent, Rejection::kMissing};
+  builder.add(e, 3);
+  const RunSummary s = builder.finish();
+  EXPECT_EQ(s.readings_by_reason, (std::array<std::size_t, kRejections>{1, 1, 0, 0, 0, 0, 0, 0, 1}));
+}
+
 TEST(RunSummary, EmptyRunIsAllZeros) {
   const RunSummary s = RunSummaryBuilder{}.finish();
   EXPECT_EQ(s.frames, 0U);

@@ -177,6 +177,28 @@ TEST(Tare, GrossOutliersDoNotMoveIt) {
   EXPECT_LT((spoilt.base_shift_m - clean.base_shift_m).norm(), 1e-4);
 }
 
+/// What [base] has wrong is wrong in its own tracker: a sensor of another one keeps its registration, and still tells
+/// of the precurvature. The weight bends the shaft too, and turns with the clamp.
+TEST(Tare, ASensorOfAnotherTrackerKeepsItsRegistration) {
+  Catheter stated = test::with_second_tracker(uncertain(test::two_sensors()));
+  stated.rod.distributed_load_base_N_per_m = {0.05, -0.3, 0.1};
+  const Error error{.shift_m = {1e-3, -1e-3, 0.5e-3}, .turn_rad = {0.01, 0.015, 0.0}, .bend_per_m = {0.8, -0.4, 0.0}};
+  Catheter truth = error.put_into(stated);
+  truth.rod.distributed_load_base_N_per_m =
+      truth.base.T_tracker_base.R.transpose() * stated.base.T_tracker_base.R * stated.rod.distributed_load_base_N_per_m;
+  const Tare found = tare(stated, unloaded(truth, 3, 10.0), kAll);
+  EXPECT_EQ(found.catheter.sensors[1].T_tracker_base->p, stated.sensors[1].T_tracker_base->p);
+  EXPECT_EQ(found.catheter.sensors[1].T_tracker_base->R, stated.sensors[1].T_tracker_base->R);
+  const Catheter& c = found.catheter;
+  EXPECT_LT((found.base_shift_m - error.shift_m).cwiseAbs().maxCoeff(), 4.0 * c.base.position_sigma_m);
+  EXPECT_LT((found.base_rotation_rad - error.turn_rad).cwiseAbs().maxCoeff(), 4.0 * c.base.rotation_sigma_rad);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_LT(std::abs(found.precurvature_change_per_m(i) - error.bend_per_m(i)), 4.0 * c.precurvature_sigma_per_m(i));
+  EXPECT_LT(c.precurvature_sigma_per_m.x(), 0.2) << "the registered sensor sees the bend";
+  EXPECT_LT(found.residual_after_m, 0.1e-3);
+  EXPECT_GT(found.residual_before_m, 1e-3);
+}
+
 /// A tendon's couple bends the shaft meanwhile; taken for precurvature it would act twice afterwards.
 TEST(Tare, TendonIsALoadAndNoPrecurvature) {
   Catheter bent = uncertain(test::two_sensors());

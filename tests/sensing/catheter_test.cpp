@@ -50,6 +50,25 @@ TEST(Catheter, SensorFaultsAreNamed) {
             "catheter: sensor 'tip' mounting rotation: largest entry of R^T R - I = 3: expected a rotation matrix");
 }
 
+TEST(Catheter, RegistrationAndDelayOfASensor) {
+  Catheter catheter = good_catheter();
+  EXPECT_EQ(&catheter.T_tracker_base(catheter.sensors[1]), &catheter.base.T_tracker_base);
+  catheter.sensors[1].T_tracker_base = Pose{Matrix3d::Identity(), {0.1, 0.2, 0.3}};
+  EXPECT_EQ(error_of(catheter), "no error");
+  EXPECT_EQ(&catheter.T_tracker_base(catheter.sensors[1]), &*catheter.sensors[1].T_tracker_base);
+  catheter.base.tracked = true;
+  catheter.base.sensor = catheter.sensors[1];
+  catheter.sensors.pop_back();
+  EXPECT_EQ(error_of(catheter), "catheter: base sensor 'shaft': base pose: expected none, for it measures the base");
+  catheter = good_catheter();
+  catheter.sensors[1].T_tracker_base = Pose{-Matrix3d::Identity(), Vector3d::Zero()};
+  EXPECT_EQ(error_of(catheter),
+            "catheter: sensor 'shaft' base rotation: largest entry of R^T R - I = 0: expected a rotation matrix");
+  catheter = good_catheter();
+  catheter.sensors[0].delay_s = std::nan("");
+  EXPECT_EQ(error_of(catheter), "catheter: sensor 'tip' delay_s = nan: expected a finite number");
+}
+
 TEST(Catheter, NamesAndNumberOfSensors) {
   Catheter catheter = good_catheter();
   catheter.sensors[1].name = "tip";

@@ -61,6 +61,56 @@ TEST(RegisterFrame, LostBaseLeavesNothingButSaysWhichReadingsWereGood) {
   EXPECT_EQ(m.rejections[2], Rejection::kMissing);
 }
 
+TEST(RegisterFrame, ASensorWithARegistrationOfItsOwnUsesThat) {
+  Draws draws(4);
+  const Pose tip = draws.pose(0.2), shaft = draws.pose(0.2), base_sensor = draws.pose(0.2);
+  for (const bool tracked : {false, true}) {
+    Catheter catheter = test::two_sensors();
+    if (tracked) catheter = test::with_tracked_base(catheter);
+    catheter = test::with_second_tracker(catheter);
+    TrackerFrame frame{.readings = {test::reading_of(tip), test::reading_of(shaft)}};
+    if (tracked) frame.readings.push_back(test::reading_of(base_sensor));
+    Measurement m;
+    register_frame(catheter, frame, m);
+    ASSERT_EQ(m.count, 2);
+    const Eigen::Matrix4d base =
+        tracked ? homogeneous(base_sensor) * homogeneous(catheter.base.sensor.T_local_sensor).inverse()
+                : homogeneous(catheter.base.T_tracker_base);
+    const Eigen::Matrix4d own = homogeneous(*catheter.sensors[1].T_tracker_base);
+    EXPECT_LT(distance(m.poses[0].T_base_sensor, base.inverse() * homogeneous(tip)), 1e-14);
+    EXPECT_LT(distance(m.poses[1].T_base_sensor, own.inverse() * homogeneous(shaft)), 1e-14);
+  }
+}
+
+/// The base as an earlier frame had it is not used again; a sensor that does not need it goes on.
+TEST(RegisterFrame, ABaseThatIsNotInTheFrameLeavesOutTheSensorsThatNeedIt) {
+  const Catheter catheter = test::with_tracked_base(test::two_sensors()),
+                 two_trackers = test::with_second_tracker(catheter);
+  Measurement m;
+  TrackerFrame frame = test::exact_frame(catheter, Vector3d::Zero());
+  register_frame(catheter, frame, m);
+  ASSERT_EQ(m.count, 2);
+  frame.readings[2] = {.status = SensorReading::Status::kAbsent};
+  register_frame(catheter, frame, m);
+  EXPECT_EQ(m.count, 0);
+  EXPECT_EQ(m.rejections[0], Rejection::kNone);
+  EXPECT_EQ(m.rejections[2], Rejection::kAbsent);
+  register_frame(two_trackers, frame, m);
+  ASSERT_EQ(m.count, 1);
+  EXPECT_EQ(m.poses[0].sensor, 1);
+}
+
+TEST(RegisterFrame, AbsentReadingsAreLeftOutUnderTheirOwnName) {
+  const Catheter catheter = test::two_sensors();
+  TrackerFrame frame = test::exact_frame(catheter, Vector3d::Zero());
+  frame.readings[0] = {.status = SensorReading::Status::kAbsent};
+  Measurement m;
+  register_frame(catheter, frame, m);
+  ASSERT_EQ(m.count, 1);
+  EXPECT_EQ(m.poses[0].sensor, 1);
+  EXPECT_EQ(m.rejections[0], Rejection::kAbsent);
+}
+
 TEST(RegisterFrame, BadReadingsAreLeftOutAndTheRestKeepsItsIndex) {
   const Catheter catheter = test::mixed_sensors();
   TrackerFrame frame = test::exact_frame(catheter, {0.01, 0.02, -0.05});

@@ -36,6 +36,12 @@ TEST(Screening, MissingComesBeforeEverythingElse) {
   EXPECT_EQ(after([](SensorReading& r) { r.status = SensorReading::Status::kMissing; }), Rejection::kMissing);
 }
 
+TEST(Screening, AbsentIsNotMissing) {
+  EXPECT_EQ(screen({.status = SensorReading::Status::kAbsent}, SensorKind::kPose), Rejection::kAbsent);
+  EXPECT_EQ(after([](SensorReading& r) { r.status = SensorReading::Status::kAbsent; }), Rejection::kAbsent);
+  EXPECT_EQ(describe(Rejection::kAbsent), "not in the frame");
+}
+
 TEST(Screening, NumbersThatAreNotFinite) {
   for (const double bad : {kNaN, kInf, -kInf}) {
     for (int i = 0; i < 3; ++i)

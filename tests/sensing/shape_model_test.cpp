@@ -32,6 +32,11 @@ const Case kCases[] = {
     {"mounted", MeasurementKind::kPoses, [] { return test::mounted(test::two_sensors()); }},
     {"tracked_base", MeasurementKind::kPoses, [] { return test::with_tracked_base(test::mixed_sensors()); }},
     {"own_weight", MeasurementKind::kPoses, [] { return test::with_own_weight(test::two_sensors()); }},
+    {"two_trackers", MeasurementKind::kPoses, [] { return test::with_second_tracker(test::mixed_sensors()); }},
+    {"tracked_base_two_trackers", MeasurementKind::kPoses,
+     [] { return test::with_second_tracker(test::with_tracked_base(test::two_sensors())); }},
+    {"tip_and_curvature_two_trackers", MeasurementKind::kTipAndCurvature,
+     [] { return test::with_second_tracker(test::mounted(test::two_sensors())); }},
     {"tip_and_curvature", MeasurementKind::kTipAndCurvature, [] { return test::two_sensors(); }},
     {"tip_and_curvature_mounted", MeasurementKind::kTipAndCurvature, [] { return test::mounted(test::two_sensors()); }},
     {"tip_and_curvature_tracked_base", MeasurementKind::kTipAndCurvature,
@@ -212,6 +217,14 @@ TEST(ShapeModel, PapersVectorNeedsTheTipAndDropsTheCurvatureWithoutTheSecondSens
   EXPECT_EQ(select(0b0111), std::pair(6, 0b0100U));
   EXPECT_EQ(select(0b1011), std::pair(0, 0U));
   EXPECT_EQ(select(0), std::pair(0, 0U));
+}
+
+/// A tracked base's noise cancels in the curvature where both share it, and would not where one does.
+TEST(ShapeModel, PapersVectorRefusesOneSensorOnATrackedBaseAndOneBeside) {
+  const Catheter mixed = test::with_second_tracker(test::with_tracked_base(test::two_sensors()));
+  EXPECT_THROW(ShapeModel(mixed, MeasurementKind::kTipAndCurvature), InputError);
+  EXPECT_NO_THROW(ShapeModel(mixed, MeasurementKind::kPoses));
+  EXPECT_NO_THROW(ShapeModel(test::with_second_tracker(test::two_sensors()), MeasurementKind::kTipAndCurvature));
 }
 
 TEST(ShapeModel, PapersVectorRefusesSensorsThatCannotGiveIt) {

@@ -71,6 +71,12 @@ inline Catheter with_tracked_base(Catheter catheter) {
   return catheter;
 }
 
+/// The last sensor is watched by another tracker, whose frame has nothing to do with that of the others.
+inline Catheter with_second_tracker(Catheter catheter) {
+  catheter.sensors.back().T_tracker_base = Pose{Draws::turn({1.2, 0.3, -2.0}), {-0.7, 0.4, 1.1}};
+  return catheter;
+}
+
 /// Heavy enough to bend the shaft by several degrees.
 inline Catheter with_own_weight(Catheter catheter) {
   catheter.rod.distributed_load_base_N_per_m = {0.05, -0.3, 0.1};
@@ -105,7 +111,8 @@ inline TrueFrame true_frame(const Catheter& catheter, const TipLoad& load) {
   const Pose& T_tracker_base = catheter.base.T_tracker_base;
   for (std::size_t i = 0; i < catheter.sensors.size(); ++i) {
     const Sensor& sensor = catheter.sensors[i];
-    const Pose T = T_tracker_base * shape.points[i].T_base_local * sensor.T_local_sensor;
+    const Pose T =
+        sensor.T_tracker_base.value_or(T_tracker_base) * shape.points[i].T_base_local * sensor.T_local_sensor;
     out.frame.readings.push_back(reading_of(T, sensor.kind));
   }
   if (catheter.base.tracked)
@@ -129,7 +136,7 @@ inline TrackerFrame with_noise(const Catheter& catheter, TrackerFrame frame, Dra
   for (std::size_t i = 0; i < frame.readings.size(); ++i) {
     SensorReading& reading = frame.readings[i];
     const Sensor& sensor = i < catheter.sensors.size() ? catheter.sensors[i] : catheter.base.sensor;
-    const Matrix3d& R_tracker_base = catheter.base.T_tracker_base.R;
+    const Matrix3d R_tracker_base = sensor.T_tracker_base.value_or(catheter.base.T_tracker_base).R;
     const Pose noisy{reading.has_orientation ? Matrix3d(rotation_of(reading) * draws.small_turn(sensor.noise_rad))
                                              : Matrix3d::Identity(),
                      reading.position_m + R_tracker_base * sensor.noise_m.cwiseProduct(draws.normal3())};
@@ -149,6 +156,8 @@ inline TrackerFrame moved(const Pose& move, TrackerFrame frame) {
 
 inline Catheter moved(const Pose& move, Catheter catheter) {
   catheter.base.T_tracker_base = move * catheter.base.T_tracker_base;
+  for (Sensor& sensor : catheter.sensors)
+    if (sensor.T_tracker_base) sensor.T_tracker_base = move * *sensor.T_tracker_base;
   return catheter;
 }
 

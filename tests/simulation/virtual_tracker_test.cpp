@@ -111,6 +111,19 @@ TEST(VirtualTracker, NoiseIsWhiteOfTheStatedSizeAlongTheBaseAxes) {
   }
 }
 
+TEST(VirtualTracker, EachSensorIsSeenInItsOwnTrackersFrame) {
+  const Catheter one = test::two_sensors(), two = test::with_second_tracker(one);
+  const Pose to_second = *two.sensors[1].T_tracker_base * one.base.T_tracker_base.inverse();
+  const auto seen = simulate_tracker(one, beating_wall_force, {.duration_s = 0.2, .seed = 3}).frames;
+  const auto otherwise = simulate_tracker(two, beating_wall_force, {.duration_s = 0.2, .seed = 3}).frames;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const TrackerFrame moved = test::moved(to_second, seen[i]);
+    EXPECT_LT((otherwise[i].readings[0].position_m - seen[i].readings[0].position_m).norm(), 1e-15);
+    EXPECT_LT((otherwise[i].readings[1].position_m - moved.readings[1].position_m).norm(), 1e-14);
+    EXPECT_LT((test::rotation_of(otherwise[i].readings[1]) - test::rotation_of(moved.readings[1])).norm(), 1e-14);
+  }
+}
+
 /// 20000 readings: shares of 0.04 and 0.01 scatter by 0.0014 and 0.0007; 5 of that.
 TEST(VirtualTracker, SharesOfMissingReadingsAndOutliersAreAsAsked) {
   const Catheter catheter = test::two_sensors();
