@@ -153,13 +153,17 @@ void refuse_passed_over_readings(const TrackerRecording& recording, const Tracke
   if (estimate.time == FrameTime::kNotFinite) refuse("time is not finite: expected seconds");
   for (std::size_t i = 0; i < frame.readings.size(); ++i) {
     const Rejection reason = estimate.rejections[i];
-    if (reason == Rejection::kNone || reason == Rejection::kMissing) continue;
+    if (reason == Rejection::kNone || reason == Rejection::kMissing || reason == Rejection::kAbsent) continue;
     refuse(fmt::format("sensor \"{}\": {}", recording.sensor_names[i], describe(reason)));
   }
-  const bool all_missing = std::all_of(frame.readings.begin(), frame.readings.end(), [](const SensorReading& reading) {
-    return reading.status == SensorReading::Status::kMissing;
-  });
-  if (estimate.used == 0 && !all_missing)
+  const auto& readings = frame.readings;
+  const auto is = [](SensorReading::Status status) {
+    return [=](const SensorReading& reading) { return reading.status == status; };
+  };
+  const bool all_missing = std::all_of(readings.begin(), readings.end(), is(SensorReading::Status::kMissing));
+  const bool held_for_want_of_one = estimate.status == EstimateStatus::kHeld &&
+                                    std::any_of(readings.begin(), readings.end(), is(SensorReading::Status::kAbsent));
+  if (estimate.used == 0 && !all_missing && !held_for_want_of_one)
     refuse(fmt::format("status {}: expected at least one usable sensor", describe(estimate.status)));
 }
 

@@ -103,8 +103,10 @@ void EstimateReport::print(const Catheter& catheter, const ObserverOptions& opti
 void EstimateReport::print_counts(const RunSummary& s) const {
   for (std::size_t i = 0; i < kEstimateStatuses; ++i)
     if (s.by_status[i] > 0) fmt::print("  {:<16}{:>8}\n", describe(static_cast<EstimateStatus>(i)), s.by_status[i]);
+  const std::size_t absent = s.readings_by_reason[static_cast<std::size_t>(Rejection::kAbsent)];
+  if (absent > 0) fmt::print("  sensors not in a frame: {}\n", absent);
   for (std::size_t i = 1; i < kRejections; ++i)
-    if (s.readings_by_reason[i] > 0)
+    if (i != static_cast<std::size_t>(Rejection::kAbsent) && s.readings_by_reason[i] > 0)
       fmt::print("  readings not used: {}: {}\n", describe(static_cast<Rejection>(i)), s.readings_by_reason[i]);
   const std::pair<const char*, std::size_t> rows[] = {{"duplicate rows", recording_.duplicate_rows},
                                                       {"frames whose time stood still", s.time_stood_still},
@@ -183,8 +185,10 @@ void EstimateReport::print_json(const RunSummary& s, const Catheter& catheter, c
         {"clock_resynchronised", s.clock_resynchronised}}}};
   for (std::size_t i = 0; i < kEstimateStatuses; ++i)
     json["frames_by_status"][std::string(describe(static_cast<EstimateStatus>(i)))] = s.by_status[i];
+  json["sensors_not_in_a_frame"] = s.readings_by_reason[static_cast<std::size_t>(Rejection::kAbsent)];
   for (std::size_t i = 1; i < kRejections; ++i)
-    json["readings_not_used"][std::string(describe(static_cast<Rejection>(i)))] = s.readings_by_reason[i];
+    if (i != static_cast<std::size_t>(Rejection::kAbsent))
+      json["readings_not_used"][std::string(describe(static_cast<Rejection>(i)))] = s.readings_by_reason[i];
   if (tare_)
     json["tare"] = {{"frames", tare_->frames},
                     {"outliers", tare_->outliers},

@@ -15,6 +15,7 @@ void write_tracker_csv(const std::filesystem::path& path, const Catheter& cathet
   for (const TrackerFrame& frame : frames) {
     for (std::size_t i = 0; i < frame.readings.size(); ++i) {
       const SensorReading& r = frame.readings[i];
+      if (r.status == SensorReading::Status::kAbsent) continue;
       const std::string& name = i < catheter.sensors.size() ? catheter.sensors[i].name : catheter.base.sensor.name;
       const std::string row = fmt::format("{:.6f},{},{},", frame.time_s, frame.number, name);
       if (r.status == SensorReading::Status::kMissing) {

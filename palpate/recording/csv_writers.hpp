@@ -8,7 +8,8 @@
 
 namespace palpate {
 
-/// Writes frames as tracker CSV (formats: micrometres, 1e-6 in the quaternion), sensors named as in the catheter.
+/// Writes frames as tracker CSV (formats: micrometres, 1e-6 in the quaternion), sensors named as in the catheter; one
+/// that is absent from a frame gets no row there.
 /// Throws InputError where the file cannot be written.
 void write_tracker_csv(const std::filesystem::path& path, const Catheter& catheter,
                        std::span<const TrackerFrame> frames);

@@ -43,7 +43,7 @@ void FrameAssembler::put(std::size_t frame, std::size_t sensor, const SensorRead
     return;
   }
   auto& readings = recording_.frames[frame].readings;
-  if (readings.size() <= sensor) readings.resize(sensor + 1);
+  if (readings.size() <= sensor) readings.resize(sensor + 1, unwritten_);
   if (seen_[frame].size() <= sensor) seen_[frame].resize(sensor + 1, false);
   readings[sensor] = reading;
   seen_[frame][sensor] = true;
@@ -52,7 +52,7 @@ void FrameAssembler::put(std::size_t frame, std::size_t sensor, const SensorRead
 void FrameAssembler::note(std::string text) { recording_.notes.push_back(std::move(text)); }
 
 TrackerRecording FrameAssembler::finish() {
-  for (TrackerFrame& frame : recording_.frames) frame.readings.resize(recording_.sensor_names.size());
+  for (TrackerFrame& frame : recording_.frames) frame.readings.resize(recording_.sensor_names.size(), unwritten_);
   return std::move(recording_);
 }
 

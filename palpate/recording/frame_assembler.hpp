@@ -12,7 +12,12 @@ namespace palpate {
 /// Gathers readings that come one by one into frames; frames and sensors keep the order in which they first appear.
 class FrameAssembler {
  public:
-  explicit FrameAssembler(std::string source) { recording_.source = std::move(source); }
+  /// `unwritten`: what it means that a frame has no row of a sensor. kMissing in a format that lists every sensor in
+  /// every frame, kAbsent in one that need not.
+  explicit FrameAssembler(std::string source, SensorReading::Status unwritten = SensorReading::Status::kMissing) {
+    recording_.source = std::move(source);
+    unwritten_.status = unwritten;
+  }
 
   /// Index of the sensor, new or known; `line` is where it stands.
   std::size_t sensor(std::string_view name, std::size_t line);
@@ -24,11 +29,12 @@ class FrameAssembler {
   /// Stores the reading; one that is there already stays, and the duplicate is counted.
   void put(std::size_t frame, std::size_t sensor, const SensorReading& reading);
   void note(std::string text);
-  /// Every frame with a reading of every sensor. The assembler is spent.
+  /// Every frame with an entry for every sensor: `unwritten` where nothing was put. The assembler is spent.
   TrackerRecording finish();
 
  private:
   TrackerRecording recording_;
+  SensorReading unwritten_;
   std::map<std::string, std::size_t, std::less<>> sensors_;
   std::map<std::int64_t, std::size_t> frames_;
   std::vector<std::vector<bool>> seen_;  ///< [frame][sensor]

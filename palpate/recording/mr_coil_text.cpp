@@ -110,7 +110,7 @@ TrackerRecording read_mr_coil_text(const std::filesystem::path& path) {
   const std::filesystem::path folder = is_folder ? path : path.has_parent_path() ? path.parent_path() : ".";
   const std::string recording = is_folder ? only_recording(folder) : name->recording;
 
-  FrameAssembler assembler(path.string());
+  FrameAssembler assembler(path.string(), SensorReading::Status::kAbsent);
   SamplesByTime samples;
   const auto recordings = list_coils(folder);
   for (const auto& [coil, file] : recordings.at(recording)) {

@@ -84,7 +84,7 @@ bool looks_like_tracker_csv(std::string_view header) {
 TrackerRecording parse_tracker_csv(const TextFile& file) {
   CsvReader csv(file);
   const Columns columns(csv);
-  FrameAssembler assembler(file.name);
+  FrameAssembler assembler(file.name, SensorReading::Status::kAbsent);
   note_unread_columns(csv, assembler);
   bool noted_reuse = false;
   while (csv.next()) {

@@ -113,14 +113,23 @@ TEST_F(TrackerFaults, StrictAcceptsWhatTheTrackerSaysIsMissing) {
   EXPECT_EQ(summary({"--strict"})["readings_not_used"]["missing"], 3);
 }
 
-TEST_F(TrackerFaults, AFrameWithoutAnyRowOfASensorIsMissingThere) {
+TEST_F(TrackerFaults, ASensorWithoutARowInAFrameIsNotInItWhichIsNoFault) {
   RecordingText good = test::beating_recording().tracker;
   std::erase_if(good.rows, [](const Row& row) {
     return row[RecordingText::kFrame] == "20" && row[RecordingText::kSensor] == "tip";
   });
   test::EstimateTable rows;
-  EXPECT_EQ(run(good, rows)["readings_not_used"]["missing"], 1);
+  RecordingText::set_missing(good.at(30, "tip"));
+  const auto said = run(good, rows);
+  EXPECT_EQ(said["sensors_not_in_a_frame"], 1);
+  EXPECT_EQ(said["readings_not_used"]["missing"], 1);
+  for (const auto& [reason, count] : said["readings_not_used"].items()) EXPECT_LE(count, reason == "missing" ? 1 : 0);
   EXPECT_EQ(rows.at(20).at("sensors_used"), "1");
+  EXPECT_EQ(said["frames_by_status"]["UPDATED"], 160);
+  EXPECT_EQ(summary({"--strict"})["sensors_not_in_a_frame"], 1);
+  const auto told = estimate();
+  EXPECT_NE(told.out.find("  sensors not in a frame: 1\n"), std::string::npos) << told.out;
+  EXPECT_NE(told.out.find("  readings not used: missing: 1\n"), std::string::npos) << told.out;
 }
 
 TEST_F(TrackerFaults, DuplicatedRowsChangeNothing) {

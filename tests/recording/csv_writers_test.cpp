@@ -43,11 +43,12 @@ TEST_F(CsvWriters, TrackerRecordingIsReadAsItWasWritten) {
 TEST_F(CsvWriters, HeaderAndRowsAreTheContracts) {
   Catheter catheter = test::bare_catheter();
   catheter.sensors = {test::sensor_at("tip", 0.07), test::sensor_at("dot", 0.05, SensorKind::kPosition),
-                      test::sensor_at("gone", 0.03)};
+                      test::sensor_at("gone", 0.03), test::sensor_at("elsewhere", 0.02)};
   TrackerFrame frame{.time_s = 0.025, .number = 1};
   frame.readings = {test::reading_of({Matrix3d::Identity(), {0.0105, -0.02, 0.1}}),
                     test::reading_of({Matrix3d::Identity(), {0.001, 0.0, 0.0}}, SensorKind::kPosition),
-                    SensorReading{}};
+                    SensorReading{},
+                    {.status = SensorReading::Status::kAbsent}};
   write_tracker_csv(path("r.csv"), catheter, std::vector{frame});
   EXPECT_EQ(contents(path("r.csv")),
             "time_s,frame,sensor,status,q0,qx,qy,qz,tx_mm,ty_mm,tz_mm,error_mm\n"

@@ -25,8 +25,8 @@ TEST_F(MrCoilText, CoilsOfOneRecordingFormFramesByTime) {
   EXPECT_EQ(r.frames[0].readings[0].status, SensorReading::Status::kOk);  // a low SNR is not judged here
   EXPECT_FALSE(r.frames[0].readings[0].has_orientation);
   EXPECT_TRUE(r.frames[0].readings[1].position_m.isApprox(Eigen::Vector3d(0.001, 0.002, 0.003)));
-  EXPECT_EQ(r.frames[1].readings[0].status, SensorReading::Status::kMissing);
-  EXPECT_EQ(r.frames[2].readings[1].status, SensorReading::Status::kMissing);
+  EXPECT_EQ(r.frames[1].readings[0].status, SensorReading::Status::kAbsent);
+  EXPECT_EQ(r.frames[2].readings[1].status, SensorReading::Status::kAbsent);
   EXPECT_TRUE(std::isnan(r.frames[2].readings[0].position_m.z()));
 }
 

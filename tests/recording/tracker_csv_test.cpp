@@ -50,10 +50,22 @@ TEST_F(TrackerCsv, ReadsFramesOfNamedSensors) {
   EXPECT_DOUBLE_EQ(r.frames[0].readings[0].error_m, 0.1e-3);
   EXPECT_TRUE(r.frames[0].readings[0].has_orientation);
   EXPECT_EQ(r.frames[0].readings[1].status, SensorReading::Status::kMissing);
-  EXPECT_EQ(r.frames[1].readings[0].status, SensorReading::Status::kMissing);
+  EXPECT_EQ(r.frames[1].readings[0].status, SensorReading::Status::kAbsent);
   EXPECT_EQ(r.frames[1].readings[1].quaternion_wxyz, Eigen::Vector4d(0, 1, 0, 0));
   EXPECT_TRUE(std::isnan(r.frames[1].readings[1].error_m));
   EXPECT_TRUE(r.notes.empty());
+}
+
+TEST_F(TrackerCsv, ASensorWithoutARowIsAbsentNotMissing) {
+  const auto r = read(
+      "0,0,tip,OK,1,0,0,0,1,2,3,\n1,1,tip,MISSING,,,,,,,,\n1,1,extra,OK,1,0,0,0,1,2,3,\n2,2,shaft,OK,1,0,0,0,1,2,3,\n");
+  using enum SensorReading::Status;
+  const std::vector<std::vector<SensorReading::Status>> expected = {
+      {kOk, kAbsent, kAbsent}, {kMissing, kOk, kAbsent}, {kAbsent, kAbsent, kOk}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    ASSERT_EQ(r.frames.at(i).readings.size(), 3u);
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(r.frames[i].readings[k].status, expected[i][k]) << i << k;
+  }
 }
 
 TEST_F(TrackerCsv, HeaderOrderIsFreeAndErrorColumnOptional) {
