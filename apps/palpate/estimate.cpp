@@ -74,7 +74,7 @@ int run(const EstimateOptions& options) {
   if (2 * report.frames_used() < recording.frames.size())
     file.warnings.push_back(
         fmt::format("{}: only {} of {} frames could be used: is it of this catheter, base and sensors?",
-                    options.recording, report.frames_used(), recording.frames.size()));
+                    recording.source, report.frames_used(), recording.frames.size()));
   for (const std::string& warning : file.warnings) fmt::print(stderr, "palpate: warning: {}\n", warning);
   report.print(catheter, file.observer, options.out, options.json);
   return 0;

@@ -8,6 +8,7 @@
 #include <limits>
 #include <palpate/math/errors.hpp>
 #include <palpate/math/units.hpp>
+#include <palpate/recording/merge_recordings.hpp>
 #include <palpate/recording/tendon_csv.hpp>
 #include <palpate/sensing/screening.hpp>
 
@@ -35,31 +36,34 @@ Extent extent_of(const TrackerRecording& recording, std::size_t i, SensorKind ki
   return extent;
 }
 
-/// A recording in metres, or of another setup, keeps a sensor where the shaft cannot hold it.
+/// A recording in metres, or of another setup, keeps a sensor where the shaft cannot hold it. What a tracked base knows
+/// of is not judged.
 void check_reach(const Catheter& catheter, const TrackerRecording& recording) {
-  if (catheter.base.tracked) return;
   const double reach_m =
       1.5 * (catheter.rod.length_m() + catheter.rod.rigid_tip_m) + 0.02 + 4.0 * catheter.base.position_sigma_m;
   constexpr double kAsIfMetres_m = 2e-3;  // two metres, read as millimetres
   for (std::size_t i = 0; i < catheter.sensors.size(); ++i) {
     const Sensor& sensor = catheter.sensors[i];
-    const Extent extent = extent_of(recording, i, sensor.kind, catheter.base.T_tracker_base.p);
+    if (catheter.base.tracked && !sensor.T_tracker_base) continue;
+    const std::string& source = recording.sensor_sources.empty() ? recording.source : recording.sensor_sources[i];
+    const Extent extent = extent_of(recording, i, sensor.kind, catheter.T_tracker_base(sensor).p);
     if (!std::isfinite(extent.nearest_to_base_m)) continue;
     const bool tiny = extent.farthest_from_origin_m < kAsIfMetres_m;
     if (tiny && extent.farthest_from_base_m < 0.2 * sensor.arc_length_m)
       throw InputError(fmt::format(
           "{}: sensor \"{}\": never farther than {:.4g} mm from the base, though {:.4g} mm along the shaft: "
           "expected millimetres; are the positions in metres?",
-          recording.source, sensor.name, extent.farthest_from_base_m * kMillimetresPerMetre,
+          source, sensor.name, extent.farthest_from_base_m * kMillimetresPerMetre,
           sensor.arc_length_m * kMillimetresPerMetre));
     if (extent.nearest_to_base_m > reach_m)
-      throw InputError(
-          fmt::format("{}: sensor \"{}\": never nearer than {:.4g} mm to the base of the catheter file: expected at "
-                      "most {:.4g} mm; "
-                      "{}",
-                      recording.source, sensor.name, extent.nearest_to_base_m * kMillimetresPerMetre,
-                      reach_m * kMillimetresPerMetre,
-                      tiny ? "are the positions in metres instead of millimetres?" : "is [base] that of this setup?"));
+      throw InputError(fmt::format(
+          "{}: sensor \"{}\": never nearer than {:.4g} mm to the base of the catheter file: expected at "
+          "most {:.4g} mm; "
+          "{}",
+          source, sensor.name, extent.nearest_to_base_m * kMillimetresPerMetre, reach_m * kMillimetresPerMetre,
+          tiny                    ? "are the positions in metres instead of millimetres?"
+          : sensor.T_tracker_base ? "is its base_position_mm that of this setup?"
+                                  : "is [base] that of this setup?"));
   }
 }
 
@@ -115,36 +119,51 @@ void attach_tendon(const std::string& path, const Catheter& catheter, TrackerRec
       fmt::format("{}: the moment is used as a known load; its sigma does not widen the force's yet", path));
 }
 
+std::vector<TrackerRecording> read_sources(const EstimateOptions& options, const CatheterFile& file) {
+  std::vector<TrackerRecording> sources;
+  for (const std::string& path : options.recordings)
+    sources.push_back(read_tracker_recording(path, {.catheter = &file.catheter,
+                                                    .reference_from_s = file.reference.from_s,
+                                                    .reference_to_s = file.reference.to_s,
+                                                    .reference_straight = file.reference.straight,
+                                                    .one_of_several = options.recordings.size() > 1}));
+  return sources;
+}
+
 }  // namespace
 
 TrackerRecording load_recording(const EstimateOptions& options, const CatheterFile& file,
                                 std::vector<std::string>& warnings) {
-  TrackerRecording recording =
-      read_tracker_recording(options.recording, {.catheter = &file.catheter,
-                                                 .reference_from_s = file.reference.from_s,
-                                                 .reference_to_s = file.reference.to_s,
-                                                 .reference_straight = file.reference.straight});
+  std::vector<TrackerRecording> sources = read_sources(options, file);
+  std::vector<std::string> remarks;
+  for (TrackerRecording& source : sources) {
+    for (const std::string& note : source.notes) warnings.push_back(fmt::format("{}: {}", source.source, note));
+    warn_of_slow_frames(source, remarks);
+    correct_delay(source, file.catheter);
+  }
+  TrackerRecording recording = merge_recordings(std::move(sources), file.ignore_sensors);
   bind_to_catheter(recording, file.catheter, file.ignore_sensors);
-  if (recording.frames.empty()) throw InputError(fmt::format("{}: expected at least one frame", options.recording));
-  for (const std::string& note : recording.notes) warnings.push_back(fmt::format("{}: {}", options.recording, note));
+  if (recording.frames.empty()) throw InputError(fmt::format("{}: expected at least one frame", recording.source));
   check_reference(file.reference, recording);
   check_reach(file.catheter, recording);
-  warn_of_slow_frames(recording, warnings);
+  warnings.insert(warnings.end(), remarks.begin(), remarks.end());
   attach_tendon(options.tendon, file.catheter, recording, warnings);
   return recording;
 }
 
 void refuse_passed_over_rows(const TrackerRecording& recording) {
   if (recording.duplicate_rows == 0) return;
-  throw InputError(fmt::format("{}: {}: {} in all: expected one row a sensor a frame (--strict)", recording.source,
+  const std::string& source =
+      recording.first_duplicate_source.empty() ? recording.source : recording.first_duplicate_source;
+  throw InputError(fmt::format("{}: {}: {} in all: expected one row a sensor a frame (--strict)", source,
                                recording.first_duplicate, recording.duplicate_rows));
 }
 
 void refuse_passed_over_readings(const TrackerRecording& recording, const TrackerFrame& frame,
                                  const Estimate& estimate) {
   const auto refuse = [&](const std::string& what) {
-    throw InputError(
-        fmt::format("{}: frame {} at {} s: {} (--strict)", recording.source, frame.number, frame.time_s, what));
+    throw InputError(fmt::format("{}: frame {} at {} s: {} (--strict)", source_of(recording, frame), frame.number,
+                                 frame.time_s, what));
   };
   if (estimate.time == FrameTime::kStandsStill)
     refuse("time stands still: expected a later time than the frame before");

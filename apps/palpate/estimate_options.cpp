@@ -86,11 +86,14 @@ TimeSpan parse_time_span(std::string_view flag, const std::string& text) {
 }
 
 void check_paths(const EstimateOptions& options) {
-  for (const auto& [name, path] :
-       {std::pair{"recording", &options.recording}, {"--catheter", &options.catheter}, {"--out", &options.out}})
-    if (path->empty()) throw InputError(fmt::format("{}: expected the name of a file, found an empty one", name));
+  const auto refuse_empty = [](const char* name, const std::string& path) {
+    if (path.empty()) throw InputError(fmt::format("{}: expected the name of a file, found an empty one", name));
+  };
+  for (const std::string& recording : options.recordings) refuse_empty("recording", recording);
+  refuse_empty("--catheter", options.catheter);
+  refuse_empty("--out", options.out);
   for (const auto& [flag, output] : {std::pair{"--out", &options.out}, {"--plot", &options.plot}}) {
-    refuse_same_file(flag, *output, options.recording, "the recording");
+    for (const std::string& recording : options.recordings) refuse_same_file(flag, *output, recording, "the recording");
     refuse_same_file(flag, *output, options.catheter, "the catheter file");
     refuse_same_file(flag, *output, options.tendon, "the tendon CSV");
     refuse_absent_folder(flag, *output);
@@ -119,8 +122,9 @@ void apply_options(const EstimateOptions& options, CatheterFile& file) {
 }
 
 void add_estimate_options(CLI::App& verb, EstimateOptions& options) {
-  verb.add_option("recording", options.recording,
-                  "tracker CSV, PLUS .igs.mha, NDI CSV, marker CSV, or MR coil text (a file or its folder)")
+  verb.add_option("recording", options.recordings,
+                  "tracker CSV, PLUS .igs.mha, NDI CSV, marker CSV, or MR coil text (a file or its folder); several, "
+                  "each with its own sensors, are merged by time")
       ->required();
   verb.add_option("--catheter", options.catheter, "catheter file (TOML)")->required();
   verb.add_option("--out", options.out, "estimate CSV to write")->required();

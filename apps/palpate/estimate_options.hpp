@@ -4,6 +4,7 @@
 #include <palpate/recording/catheter_file.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -13,7 +14,8 @@ namespace palpate::app {
 
 /// The command line of `palpate estimate`, as typed; empty: not given.
 struct EstimateOptions {
-  std::string catheter, recording, out, tendon, method, state, measurement, reference, average, plot;
+  std::vector<std::string> recordings;  ///< of one run, each with its own sensors
+  std::string catheter, out, tendon, method, state, measurement, reference, average, plot;
   bool smooth = false, strict = false, json = false;
 };
 

@@ -26,7 +26,8 @@ struct CatheterFile {
   std::vector<std::string> warnings;  ///< keys that are read but not acted on yet, one line each
 };
 
-/// Reads TOML as formats/catheter.toml shows it. Keys beyond those: sensor.markers; estimator.force_rate_N_per_sqrt_s,
+/// Reads TOML as formats/catheter.toml shows it. Keys beyond those: sensor.markers, delay_s,
+/// base_quaternion_wxyz, base_position_mm; estimator.force_rate_N_per_sqrt_s,
 /// initial_force_sigma_N, max_iterations, adaptation_window, outlier_probability; recording.ignore_sensors;
 /// reference.from_s, to_s, shape ("unloaded" | "straight").
 /// Throws InputError `FILE:LINE: KEY = VALUE: expected ...` on anything unknown, missing, mistyped or out of range.

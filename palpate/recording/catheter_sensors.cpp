@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <palpate/math/units.hpp>
 #include <palpate/recording/catheter_sensors.hpp>
@@ -16,6 +17,7 @@ constexpr NumberRange kAny = {-1e300, 1e300, "a number in mm"};
 constexpr NumberRange kQuaternion = {-2.0, 2.0, "part of a unit quaternion"};
 constexpr NumberRange kMountPosition = {-1000.0, 1000.0, "a length in mm, at most 1000"};
 constexpr NumberRange kBasePosition = {-1e5, 1e5, "a length in mm, at most 1e5"};
+constexpr NumberRange kDelay_s = {-1e9, 1e9, "a time in seconds"};
 constexpr NumberRange kSigma_mm = {0.0, 100.0, "a standard deviation in mm, 0..100"};
 constexpr NumberRange kSigma_deg = {0.0, 90.0, "a standard deviation in degrees, 0..90"};
 constexpr NumberRange kNoise_mm = {1e-9, 50.0, "a standard deviation in mm, more than 0, at most 50 (is it in um?)"};
@@ -55,6 +57,7 @@ Sensor read_properties(const TomlTable& table, std::string name, std::vector<std
   sensor.noise_rad = table.number("noise_deg", kNoise_deg, sensor.noise_rad / kRadiansPerDegree) * kRadiansPerDegree;
   sensor.bias_m = table.number("bias_mm", kSigma_mm, 0.0) * kMetresPerMillimetre;
   sensor.bias_rad = table.number("bias_deg", kSigma_deg, 0.0) * kRadiansPerDegree;
+  sensor.delay_s = table.number("delay_s", kDelay_s, 0.0);
   sensor.markers = table.texts("markers");
   const std::string_view without = "the force's sigma does not contain it";
   warn_not_acted_on(table, "mount_sigma_mm", sensor.mount_sigma_m > 0.0, without, warnings);
@@ -74,6 +77,19 @@ double read_arc_length(const TomlTable& table, double end_mm) {
   return arc_mm * kMetresPerMillimetre;
 }
 
+/// The clamp in the frame of the sensor's own tracker or image, where that is not the one that [base] speaks of.
+std::optional<Pose> read_own_base(const TomlTable& table, bool is_base) {
+  constexpr std::array<std::string_view, 2> kKeys = {"base_quaternion_wxyz", "base_position_mm"};
+  if (std::none_of(kKeys.begin(), kKeys.end(), [&](std::string_view key) { return table.has(key); })) return {};
+  for (const std::string_view key : kKeys)
+    if (is_base && table.has(key)) table.refuse(key, "no such key, for this is the base sensor");
+  for (const std::string_view key : kKeys) {
+    if (!table.has(key))
+      table.refuse(key, "base_quaternion_wxyz and base_position_mm, both, of the clamp in this sensor's own tracker");
+  }
+  return Pose{read_rotation(table, kKeys[0]), read_position(table, kKeys[1], kBasePosition)};
+}
+
 Sensor read_sensor(const TomlTable& table, const std::string& base_name, double end_mm,
                    std::vector<std::string>& warnings) {
   Sensor sensor = read_properties(table, table.text("name"), warnings);
@@ -83,6 +99,7 @@ Sensor read_sensor(const TomlTable& table, const std::string& base_name, double 
   const bool is_base = sensor.name == base_name;
   if (is_base && sensor.kind != SensorKind::kPose) table.refuse("kind", "'pose', for this is the base sensor");
   if (!is_base) sensor.arc_length_m = read_arc_length(table, end_mm);
+  sensor.T_tracker_base = read_own_base(table, is_base);
   return sensor;
 }
 
@@ -107,7 +124,8 @@ constexpr std::string_view kBaseSensorKeys[] = {"mount_quaternion_wxyz",
                                                 "noise_deg",
                                                 "bias_mm",
                                                 "bias_deg",
-                                                "markers"};
+                                                "markers",
+                                                "delay_s"};
 
 void refuse_base_sensor_keys(const TomlTable& base, std::string_view expectation) {
   for (const std::string_view key : kBaseSensorKeys) {
@@ -116,9 +134,10 @@ void refuse_base_sensor_keys(const TomlTable& base, std::string_view expectation
 }
 
 TomlTable find_base(const TomlTable& root) {
-  const auto base = root.table("base", {"quaternion_wxyz", "position_mm", "position_sigma_mm", "rotation_sigma_deg",
-                                        "sensor", "mount_quaternion_wxyz", "mount_position_mm", "mount_sigma_mm",
-                                        "noise_mm", "noise_axes_mm", "noise_deg", "bias_mm", "bias_deg", "markers"});
+  const auto base =
+      root.table("base", {"quaternion_wxyz", "position_mm", "position_sigma_mm", "rotation_sigma_deg", "sensor",
+                          "mount_quaternion_wxyz", "mount_position_mm", "mount_sigma_mm", "noise_mm", "noise_axes_mm",
+                          "noise_deg", "bias_mm", "bias_deg", "markers", "delay_s"});
   if (!base) root.refuse("base", "a table [base] with quaternion_wxyz and position_mm, or with sensor");
   return *base;
 }
@@ -161,9 +180,10 @@ void read_sensors(const TomlTable& root, Catheter& catheter, std::vector<std::st
   read_base(base, catheter.base);
   const double end_mm = (catheter.rod.length_m() + catheter.rod.rigid_tip_m) * kMillimetresPerMetre;
   std::vector<std::string> names;
-  for (const TomlTable& table : root.tables(
-           "sensor", {"name", "kind", "arc_length_mm", "mount_quaternion_wxyz", "mount_position_mm", "mount_sigma_mm",
-                      "noise_mm", "noise_axes_mm", "noise_deg", "bias_mm", "bias_deg", "markers"})) {
+  for (const TomlTable& table :
+       root.tables("sensor", {"name", "kind", "arc_length_mm", "mount_quaternion_wxyz", "mount_position_mm",
+                              "mount_sigma_mm", "noise_mm", "noise_axes_mm", "noise_deg", "bias_mm", "bias_deg",
+                              "markers", "delay_s", "base_quaternion_wxyz", "base_position_mm"})) {
     place_sensor(table, read_sensor(table, catheter.base.sensor.name, end_mm, warnings), catheter, names);
   }
   if (catheter.sensors.empty()) root.refuse("sensor", "at least one [[sensor]] on the shaft");

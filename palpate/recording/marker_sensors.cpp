@@ -97,7 +97,7 @@ MarkerSensor make_sensor(const MarkerRecording& recording, const Sensor& sensor,
   refuse_collinear(recording, made);
   const Catheter& catheter = *options.catheter;
   const bool bent = on_shaft && !options.reference_straight;
-  made.R_tracker_reference = catheter.base.T_tracker_base.R *
+  made.R_tracker_reference = catheter.T_tracker_base(sensor).R *
                              (bent ? unloaded_local_frame(catheter, sensor.arc_length_m) : Matrix3d::Identity()) *
                              sensor.T_local_sensor.R;
   return made;
@@ -125,8 +125,14 @@ TrackerRecording assemble_sensors(const MarkerRecording& markers, const Recordin
   }
   const Catheter& catheter = *options.catheter;
   std::vector<MarkerSensor> sensors;
-  for (const Sensor& sensor : catheter.sensors) sensors.push_back(make_sensor(markers, sensor, options, true));
-  if (catheter.base.tracked) sensors.push_back(make_sensor(markers, catheter.base.sensor, options, false));
+  const auto add = [&](const Sensor& sensor, bool on_shaft) {
+    if (options.one_of_several && sensor.markers.empty()) return;
+    sensors.push_back(make_sensor(markers, sensor, options, on_shaft));
+  };
+  for (const Sensor& sensor : catheter.sensors) add(sensor, true);
+  if (catheter.base.tracked) add(catheter.base.sensor, false);
+  if (sensors.empty())
+    throw InputError(markers.source + ": a marker recording: expected a sensor of the catheter file to list markers");
 
   TrackerRecording recording;
   recording.source = markers.source;

@@ -38,7 +38,8 @@ void refuse_strangers(const TrackerRecording& recording, const std::vector<std::
     const std::string& name = recording.sensor_names[i];
     if (contains(expected, name) || contains(ignored, name)) continue;
     const std::size_t line = i < recording.sensor_lines.size() ? recording.sensor_lines[i] : 0;
-    const std::string place = line > 0 ? fmt::format("{}:{}", recording.source, line) : recording.source;
+    const std::string& source = recording.sensor_sources.empty() ? recording.source : recording.sensor_sources[i];
+    const std::string place = line > 0 ? fmt::format("{}:{}", source, line) : source;
     throw InputError(
         fmt::format("{}: field sensor: value '{}': expected a sensor of the catheter ({}), or [recording] "
                     "ignore_sensors of the catheter file to name it",
@@ -62,6 +63,12 @@ TrackerRecording read_tracker_recording(const std::filesystem::path& path, const
   if (looks_like_tracker_csv(first)) return parse_tracker_csv(file);
   if (looks_like_marker_csv(first)) return assemble_sensors(parse_marker_csv(file), options);
   refuse_field(file.name, header + 1, "header", first, kFormats);
+}
+
+const std::string& source_of(const TrackerRecording& recording, const TrackerFrame& frame) {
+  for (std::size_t i = 0; i < recording.sensor_sources.size(); ++i)
+    if (frame.readings[i].status != SensorReading::Status::kAbsent) return recording.sensor_sources[i];
+  return recording.source;
 }
 
 void bind_to_catheter(TrackerRecording& recording, const Catheter& catheter,
@@ -88,6 +95,11 @@ void bind_to_catheter(TrackerRecording& recording, const Catheter& catheter,
   std::vector<std::size_t> lines;
   for (const std::size_t i : from) lines.push_back(recording.sensor_lines[i]);
   recording.sensor_lines = std::move(lines);
+  if (!recording.sensor_sources.empty()) {
+    std::vector<std::string> sources;
+    for (const std::size_t i : from) sources.push_back(recording.sensor_sources[i]);
+    recording.sensor_sources = std::move(sources);
+  }
   recording.sensor_names = expected;
 }
 

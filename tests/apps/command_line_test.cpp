@@ -44,8 +44,8 @@ TEST_F(CommandLine, UnknownWordsAreNamedWithTheNearest) {
             "palpate: --metod: expected an option of palpate estimate; did you mean --method?");
   EXPECT_EQ(usage_error({"estimate", "--catheter", "c.toml", "--out", "e.csv"}), "palpate: recording is required");
   EXPECT_EQ(usage_error({"estimate", "--catheter", "c.toml", "r.csv"}), "palpate: --out is required");
-  EXPECT_EQ(usage_error({"estimate", "--catheter", "c.toml", "r.csv", "s.csv", "--out", "e.csv"}),
-            "palpate: The following argument was not expected: s.csv");
+  EXPECT_EQ(refusal({"estimate", "--catheter", "c.toml", "r.csv", "s.csv", "--out", "e.csv"}),  // a second recording
+            "s.csv: cannot be opened: No such file or directory: expected a readable text file");
 }
 
 TEST_F(CommandLine, WrongValues) {

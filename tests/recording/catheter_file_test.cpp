@@ -163,6 +163,33 @@ TEST_F(CatheterFiles, BaseSensorByEntryOrByItsOwnKeys) {
             "c.toml:8: base.noise_mm = 0.2: expected this key only together with base.sensor");
 }
 
+TEST_F(CatheterFiles, RegistrationAndDelayOfASensor) {
+  const std::string own = "noise_mm = 0.28\nbase_quaternion_wxyz = [0, 0, 1, 0]\nbase_position_mm = [1, 2, -3]\n";
+  const auto file = read(with("noise_mm = 0.28\n", own + "delay_s = -0.25\n"));
+  const Sensor& sensor = file.catheter.sensors[0];
+  ASSERT_TRUE(sensor.T_tracker_base.has_value());
+  EXPECT_TRUE(sensor.T_tracker_base->R.isApprox(Matrix3d(Vector3d(-1, 1, -1).asDiagonal())));
+  EXPECT_TRUE(sensor.T_tracker_base->p.isApprox(Vector3d(0.001, 0.002, -0.003)));
+  EXPECT_EQ(sensor.delay_s, -0.25);
+  EXPECT_TRUE(file.warnings.empty());
+  EXPECT_FALSE(read(kPlain).catheter.sensors[0].T_tracker_base.has_value());
+  EXPECT_EQ(read(kPlain).catheter.sensors[0].delay_s, 0.0);
+
+  EXPECT_EQ(error("noise_mm = 0.28\n", "base_position_mm = [1, 2, -3]\n"),
+            "c.toml:10: sensor.base_quaternion_wxyz = (absent): expected base_quaternion_wxyz and base_position_mm, "
+            "both, of the clamp in this sensor's own tracker");
+  EXPECT_EQ(error("noise_mm = 0.28\n", "base_quaternion_wxyz = [1, 1, 0, 0]\nbase_position_mm = [1, 2, -3]\n"),
+            "c.toml:13: sensor.base_quaternion_wxyz = [1, 1, 0, 0]: expected a unit quaternion [w, x, y, z], here of "
+            "norm 1.41421");
+  EXPECT_EQ(error("noise_mm = 0.28\n", "delay_s = \"40 ms\"\n"),
+            "c.toml:13: sensor.delay_s = \"40 ms\": expected a time in seconds, as a number without quotes");
+  const std::string tracked = "[base]\nsensor = \"clamp\"\n[[sensor]]\nname = \"clamp\"\n";
+  const std::string fixed = "[base]\nquaternion_wxyz = [1.0, 0.0, 0.0, 0.0]\nposition_mm = [10.0, 20.0, 30.0]\n";
+  EXPECT_EQ(error(fixed, tracked + "base_position_mm = [0, 0, 0]\n"),
+            "c.toml:11: sensor.base_position_mm = [0, 0, 0]: expected no such key, for this is the base sensor");
+  EXPECT_EQ(read(with(fixed, "[base]\nsensor = \"clamp\"\ndelay_s = 0.1\n")).catheter.base.sensor.delay_s, 0.1);
+}
+
 TEST_F(CatheterFiles, EstimatorReferenceRecordingAndTendon) {
   const CatheterFile file = read(std::string(kPlain) + R"([tendon]
 model = "end_moment"

@@ -113,6 +113,29 @@ TEST_F(MarkerSensors, ATrackedBaseComesLast) {
   EXPECT_THAT(assemble_sensors(recording_, options_).sensor_names, ElementsAre("tip", "mid", "clamp"));
 }
 
+/// Merged with other recordings it need not hold every sensor; alone it must.
+TEST_F(MarkerSensors, SensorsWithoutMarkersStandInAnotherRecording) {
+  catheter_.sensors.push_back(marker_sensor("coil", SensorKind::kPose, {}));
+  options_.one_of_several = true;
+  EXPECT_THAT(assemble_sensors(recording_, options_).sensor_names, ElementsAre("tip", "mid"));
+  const auto error_now = [&] { return error_of([&] { assemble_sensors(recording_, options_); }); };
+  options_.one_of_several = false;
+  EXPECT_EQ(
+      error_now(),
+      "m.csv: sensor coil: markers = []: expected at least 3 in the catheter file, for this is a marker recording");
+  options_.one_of_several = true;
+  catheter_.sensors = {marker_sensor("coil", SensorKind::kPose, {})};
+  EXPECT_EQ(error_now(), "m.csv: a marker recording: expected a sensor of the catheter file to list markers");
+}
+
+TEST_F(MarkerSensors, ATriadOfASecondTrackerTurnsFromItsOwnBaseAxes) {
+  catheter_.sensors[0].T_tracker_base = Pose{exp_so3({-1.0, 0.4, 0.2}), {1.0, 2.0, 3.0}};
+  const auto q = assemble_sensors(recording_, options_).frames[0].readings[0].quaternion_wxyz;
+  EXPECT_TRUE(Eigen::Quaterniond(q[0], q[1], q[2], q[3])
+                  .toRotationMatrix()
+                  .isApprox(catheter_.sensors[0].T_tracker_base->R, 1e-12));
+}
+
 TEST_F(MarkerSensors, RefusesWhatCannotBeMade) {
   const auto error_now = [&] { return error_of([&] { assemble_sensors(recording_, options_); }); };
   options_.reference_from_s = 5.0;
