@@ -139,6 +139,13 @@ TEST_F(SeveralTrackers, ASensorFarFromItsOwnBaseIsRefused) {
   std::string message = refusal_of({"a.csv", "b.csv"});
   EXPECT_TRUE(message.starts_with("b.csv: sensor \"shaft\": never nearer than ")) << message;
   EXPECT_TRUE(message.ends_with("expected at most 125 mm; is its base_position_mm that of this setup?")) << message;
+  const std::string fixed = "quaternion_wxyz = [0.7071067811865476, 0.0, 0.7071067811865476, 0.0]\nposition_mm = ";
+  std::string tracked = contents(path("c.toml"));
+  tracked.replace(tracked.find(fixed), fixed.size() + 22, "sensor = \"clamp\"");
+  write("c.toml", tracked);  // which says nothing of the shaft's own base
+  for (Row& row : a_.rows) row[RecordingText::kSensor] = "clamp";
+  write("clamp.csv", a_.text());
+  EXPECT_EQ(refusal_of({"a.csv", "b.csv", "clamp.csv"}), message);
   write_catheter("[base]", "[base]");  // no registration of its own
   message = refusal_of({"a.csv", "b.csv"});
   EXPECT_TRUE(message.starts_with("b.csv: sensor \"shaft\": never nearer than ")) << message;

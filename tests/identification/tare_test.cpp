@@ -199,6 +199,31 @@ TEST(Tare, ASensorOfAnotherTrackerKeepsItsRegistration) {
   EXPECT_GT(found.residual_before_m, 1e-3);
 }
 
+/// Where every sensor has a registration of its own, the weight alone tells how the clamp is turned: across it, not
+/// about.
+TEST(Tare, TheWeightShowsATurnOfTheClampToSensorsThatAreRegistered) {
+  for (const SensorKind kind : {SensorKind::kPose, SensorKind::kPosition}) {
+    Catheter stated = test::with_own_weight(test::two_sensors());
+    for (Sensor& sensor : stated.sensors) {
+      sensor.T_tracker_base = test::some_mounting();
+      sensor.kind = kind;
+    }
+    stated.base.rotation_sigma_rad = 0.1;
+    const Vector3d weight = stated.rod.distributed_load_base_N_per_m, down = weight.normalized();
+    const Vector3d turn_rad = 0.1 * down.unitOrthogonal() - 0.05 * down.cross(down.unitOrthogonal());
+    Catheter truth = stated;
+    truth.rod.distributed_load_base_N_per_m = Draws::turn(turn_rad).transpose() * weight;
+    const Tare found = tare(stated, unloaded(truth, 3, 10.0), kAll);
+    EXPECT_LT((found.catheter.rod.distributed_load_base_N_per_m.normalized() -
+               truth.rod.distributed_load_base_N_per_m.normalized())
+                  .norm(),
+              5e-3);
+    EXPECT_GT(found.residual_before_m, 0.25e-3);
+    EXPECT_LT(found.residual_after_m, 0.05e-3);
+    EXPECT_EQ(found.base_shift_m, Vector3d::Zero());
+  }
+}
+
 /// A tendon's couple bends the shaft meanwhile; taken for precurvature it would act twice afterwards.
 TEST(Tare, TendonIsALoadAndNoPrecurvature) {
   Catheter bent = uncertain(test::two_sensors());
