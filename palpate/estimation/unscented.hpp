@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/QR>
+#include <cassert>
+#include <limits>
+#include <palpate/estimation/kalman.hpp>
+
+/// Square-root unscented Kalman update. It sees the model over the whole spread of the prior instead of through its
+/// tangent at the mean: right where h bends within the prior's sigmas but still rises all along them. No allocation,
+/// no exception.
+namespace palpate {
+
+namespace detail {
+
+/// Cholesky factor of a covariance, or false; LLT alone lets NaN pass.
+template <class Matrix>
+bool factor_covariance(const Matrix& covariance, Eigen::LLT<Matrix>& factor) {
+  factor.compute(covariance);
+  return factor.info() == Eigen::Success && factor.matrixLLT().allFinite();
+}
+
+/// h as a straight line through the prior's sigma points: r(x0 + L z) = nu - G z - E w, z and w ~ N(0, I).
+struct Regression {
+  ResidualVector nu;  ///< mean residual
+  JacobianMatrix G;   ///< slope, m x n
+  JacobianMatrix E;   ///< what is not straight about h, m x n
+};
+
+/// The transform with alpha = 1, kappa = 0: x0 +- sqrt(n) L e_i, all weights 1 / 2n, none at the centre. Only then is
+/// no weight negative for any n; at n = 3 the points have the fourth moment of a normal distribution as well. With
+/// the residuals r_i+, r_i- of a pair, half their sum p_i and half their difference d_i,
+///
+///   nu = mean p_i,   G_i = -d_i / sqrt(n),   E_i = (nu - p_i) / sqrt(n):   S_xy = L G^T,  S_yy = G G^T + E E^T + R.
+///
+/// Turning each pair's two columns by 45 degrees into G_i and E_i leaves S_yy as it is and splits off the columns that
+/// x has no part in. Residuals may be averaged where measurements may not: on a manifold they are tangent vectors.
+/// False where the model has no finite answer at a point.
+template <MeasurementModel Model>
+bool regress(Model& model, const StateVector& mean, const StateMatrix& L, Update& out, Regression& line) {
+  const Eigen::Index n = mean.size();
+  const double spread = std::sqrt(static_cast<double>(n));
+  line.nu.setZero(out.rows);
+  line.G.resize(out.rows, n);
+  line.E.resize(out.rows, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (const double side : {1.0, -1.0}) {
+      ++out.evaluations;
+      if (!model.linearize(mean + side * spread * L.col(i), out.at) || !out.at.residual.allFinite()) return false;
+      assert(out.at.residual.size() == out.rows);
+      if (side > 0.0) {
+        line.G.col(i) = -0.5 / spread * out.at.residual;
+        line.E.col(i) = -0.5 / spread * out.at.residual;
+      } else {
+        line.G.col(i) += 0.5 / spread * out.at.residual;
+        line.E.col(i) -= 0.5 / spread * out.at.residual;
+      }
+    }
+    line.nu -= line.E.col(i) / spread;
+  }
+  line.E.colwise() += line.nu / spread;
+  return true;
+}
+
+/// z ~ N(mean, T T^T) after the update; T upper triangular.
+struct WhitenedPosterior {
+  StateVector mean;
+  StateMatrix T;
+  double chi_square = 0.0;  ///< nu^T S_yy^-1 nu
+};
+
+/// The update as least squares in the whitened unknowns (w, z), with R = W W^T and everything of `line` times W^-1:
+///
+///   | W^-1 nu |   | W^-1 E  W^-1 G |           QR, w eliminated first:      | R_ww  R_wz | q_w |
+///   |    0    | = |   I       0    | (w, z)    ------------------------>    |       R_zz | q_z |
+///   |    0    |   |   0       I    |                                       |            | q_r |
+///
+///   z+ = R_zz^-1 q_z,   T = R_zz^-1,   nu^T S_yy^-1 nu = |q_r|^2
+///
+/// R_zz^T R_zz = I + G^T (R + E E^T)^-1 G: its diagonal is at least 1, so nothing is ever divided by little, and
+/// nothing is ever subtracted from a covariance. Source: array form of the covariance update as a least-squares problem
+/// (Bierman 1977, chapter IV; Kailath, Sayed, Hassibi 2000, chapter 12), here for the sigma points' regression.
+inline void solve_whitened(const Regression& line, WhitenedPosterior& out) {
+  constexpr int kMaxRows = kMaxResiduals + 2 * kMaxStates, kMaxUnknowns = 2 * kMaxStates;
+  using Array = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxRows, kMaxUnknowns>;
+  const Eigen::Index m = line.nu.size(), n = line.G.cols();
+  Array A = Array::Zero(m + 2 * n, 2 * n);
+  A.topLeftCorner(m, n) = line.E;
+  A.topRightCorner(m, n) = line.G;
+  A.bottomRows(2 * n).diagonal().setOnes();
+  Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxRows, 1> q;
+  q.setZero(m + 2 * n);
+  q.head(m) = line.nu;
+
+  const Eigen::HouseholderQR<Array> qr(A);  // in one block of 32 columns: a second one would allocate
+  static_assert(kMaxUnknowns <= 32);
+  q.applyOnTheLeft(qr.householderQ().adjoint());
+  const StateMatrix R_zz = qr.matrixQR().block(n, n, n, n);
+  out.mean = q.segment(n, n);
+  R_zz.triangularView<Eigen::Upper>().solveInPlace(out.mean);
+  out.T.setIdentity(n, n);
+  R_zz.triangularView<Eigen::Upper>().solveInPlace(out.T);
+  out.chi_square = q.tail(m).squaredNorm();
+}
+
+/// F F^T. Rounding moves its elements by up to n eps sqrt(P_ii P_jj), which is all there is to a combination of states
+/// that a measurement has pinned down; the diagonal is raised by as much as that and the next factorisation can lose.
+inline StateMatrix square(const StateMatrix& F) {
+  const auto n = static_cast<double>(F.rows());
+  const StateMatrix P = F.lazyProduct(F.transpose());
+  StateMatrix symmetric = 0.5 * (P + P.transpose());
+  symmetric.diagonal() *= 1.0 + 2.0 * (n + 1.0) * (n + 1.0) * std::numeric_limits<double>::epsilon();
+  return symmetric;
+}
+
+}  // namespace detail
+
+/// Unscented Kalman update. Sigma points, weights and equations: detail::regress, detail::solve_whitened.
+///
+/// Fills `out` as extended_update() does, but: `innovation` is the mean residual of the sigma points, and `chi_square`
+/// nu^T S_yy^-1 nu with it. The covariance is symmetric, and its Cholesky factorisation succeeds.
+/// kFailed, posterior = prior: R or P is not positive definite, the model has no finite answer at a sigma point, or the
+/// result overflows. kNotConverged: the posterior stands, but the model has no finite answer at its mean.
+/// Cost: 2 n + 1 evaluations of the model (n states; the last one for the post-fit residual) and one QR of
+/// (m + 2 n) x 2 n. Source: Julier and Uhlmann 2004; square-root form after van der Merwe and Wan 2001, whose downdates
+/// the weights make needless.
+template <MeasurementModel Model>
+void unscented_update(Model& model, const Gaussian& prior, Update& out) {
+  out.status = UpdateStatus::kFailed;
+  out.posterior = prior;
+  out.chi_square = out.residual_chi_square = 0.0;
+  out.rows = model.rows();
+  out.evaluations = 0;
+  ResidualMatrix noise;
+  model.noise(noise);
+  Eigen::LLT<ResidualMatrix> W;
+  Eigen::LLT<StateMatrix> L_factor;
+  if (!detail::factor_covariance(noise, W) || !detail::factor_covariance(prior.covariance, L_factor)) return;
+  const StateMatrix L = L_factor.matrixL();
+  detail::Regression line;
+  if (!detail::regress(model, prior.mean, L, out, line)) return;
+  out.innovation = line.nu;
+
+  W.matrixL().solveInPlace(line.nu);
+  W.matrixL().solveInPlace(line.G);
+  W.matrixL().solveInPlace(line.E);
+  detail::WhitenedPosterior z;
+  detail::solve_whitened(line, z);
+  const Gaussian posterior{prior.mean + L.lazyProduct(z.mean), detail::square(L.lazyProduct(z.T))};
+  if (!posterior.mean.allFinite() || !detail::factor_covariance(posterior.covariance, L_factor)) return;
+
+  out.posterior = posterior;
+  out.chi_square = z.chi_square;
+  ++out.evaluations;
+  out.status = UpdateStatus::kNotConverged;
+  if (!model.linearize(posterior.mean, out.at) || !out.at.residual.allFinite()) return;
+  ResidualVector whitened = out.at.residual;
+  W.matrixL().solveInPlace(whitened);
+  out.residual_chi_square = whitened.squaredNorm();
+  out.status = UpdateStatus::kConverged;
+}
+
+}  // namespace palpate
