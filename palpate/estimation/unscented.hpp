@@ -7,8 +7,8 @@
 #include <palpate/estimation/kalman.hpp>
 
 /// Square-root unscented Kalman update. It sees the model over the whole spread of the prior instead of through its
-/// tangent at the mean: right where h bends within the prior's sigmas but still rises all along them. No allocation,
-/// no exception.
+/// tangent at the mean: nearer and less sure than the extended update's single step. Where the noise is small against
+/// that spread, the iterated update is nearer still. No allocation, no exception.
 namespace palpate {
 
 namespace detail {
