@@ -306,17 +306,18 @@ TEST(UnscentedUpdate, LostDefinitenessFailsAndThePosteriorIsThePrior) {
   expect_failed(good, lost, 0);
 }
 
-/// log x, known where x > 0 only; `says_so`: by its return value too, or by NaN alone.
+/// log x, known where x > 0 only, which it says in one of two ways: by its return value or by NaN.
 struct Logarithm {
   double y = 0.0;
-  bool says_so = true;
+  bool returns_false = true;
 
   int rows() const { return 1; }
   void noise(ResidualMatrix& R) const { R.setConstant(1, 1, 1e-4); }
   bool linearize(const StateVector& x, Linearization& at) {
-    at.residual.setConstant(1, y - std::log(x(0)));
+    const bool known = x(0) > 0.0;
+    at.residual.setConstant(1, y - std::log(known || !returns_false ? x(0) : 1.0));
     at.jacobian.setConstant(1, 1, 1.0 / x(0));
-    return !says_so || std::isfinite(at.residual(0));
+    return known || !returns_false;
   }
 };
 
@@ -325,9 +326,9 @@ Gaussian one_state(double mean, double sigma) {
 }
 
 TEST(UnscentedUpdate, NoFiniteModelAtASigmaPointFailsAndThePosteriorIsThePrior) {
-  for (const bool says_so : {true, false}) {
-    expect_failed(Logarithm{0.0, says_so}, one_state(-3.0, 1.0), 1);  // nowhere
-    expect_failed(Logarithm{0.0, says_so}, one_state(1.0, 1.5), 2);   // not at the second point
+  for (const bool returns_false : {true, false}) {
+    expect_failed(Logarithm{0.0, returns_false}, one_state(-3.0, 1.0), 1);  // nowhere
+    expect_failed(Logarithm{0.0, returns_false}, one_state(1.0, 1.5), 2);   // not at the second point
   }
 }
 
@@ -338,8 +339,8 @@ TEST(UnscentedUpdate, OverflowFailsAndThePosteriorIsThePrior) {
 
 /// Steep near 1, flat at the far point: the step overshoots to negative x.
 TEST(UnscentedUpdate, SaysWhereItsStepLeftTheModelsRange) {
-  for (const bool says_so : {true, false}) {
-    Logarithm model{-6.0, says_so};
+  for (const bool returns_false : {true, false}) {
+    Logarithm model{-6.0, returns_false};
     Update update;
     unscented_update(model, one_state(1.0, 0.9), update);
     EXPECT_EQ(update.status, UpdateStatus::kNotConverged);
