@@ -108,6 +108,7 @@ inline void solve_whitened(const Regression& line, WhitenedPosterior& out) {
 inline StateMatrix square(const StateMatrix& F) {
   const auto n = static_cast<double>(F.rows());
   const StateMatrix P = F.lazyProduct(F.transpose());
+  // the compiler may contract packets and single elements differently: symmetric by construction
   StateMatrix symmetric = 0.5 * (P + P.transpose());
   symmetric.diagonal() *= 1.0 + 2.0 * (n + 1.0) * (n + 1.0) * std::numeric_limits<double>::epsilon();
   return symmetric;
@@ -120,7 +121,8 @@ inline StateMatrix square(const StateMatrix& F) {
 /// Fills `out` as extended_update() does, but: `innovation` is the mean residual of the sigma points, and `chi_square`
 /// nu^T S_yy^-1 nu with it. The covariance is symmetric, and its Cholesky factorisation succeeds.
 /// kFailed, posterior = prior: R or P is not positive definite, the model has no finite answer at a sigma point, or the
-/// result overflows. kNotConverged: the posterior stands, but the model has no finite answer at its mean.
+/// result overflows. kNotConverged: the posterior stands, but the model has no finite answer at its mean, and `at` is
+/// not to be used.
 /// Cost: 2 n + 1 evaluations of the model (n states; the last one for the post-fit residual) and one QR of
 /// (m + 2 n) x 2 n. Source: Julier and Uhlmann 2004; square-root form after van der Merwe and Wan 2001, whose downdates
 /// the weights make needless.
