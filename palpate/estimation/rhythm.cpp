@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <palpate/estimation/rhythm.hpp>
+
+namespace palpate {
+namespace {
+
+/// Bands: 40-180 beats and 6-40 breaths a minute with one bin to spare on either side, so that a peak at the very end
+/// of the band is still an inner one.
+constexpr double kHeartFrom_Hz = 0.64, kHeartTo_Hz = 3.04;
+constexpr double kBreathingFrom_Hz = 0.0875, kBreathingTo_Hz = 0.6875;
+/// The levels that are taken off before: 0.3 Hz and 0.05 Hz.
+constexpr double kHeartLevel_s = 0.5, kBreathingLevel_s = 3.0;
+/// Contact: the force is not zero, chi-square of three at 99.9 %.
+constexpr double kContact = 16.3;
+
+/// Power of the fundamental at `bin` and, at half weight, of its second harmonic: half the frequency, which finds the
+/// same tone as its second harmonic, must not win.
+template <int n>
+double power(const Resonators<n>& resonators, int bin) {
+  const int harmonic = resonators.bin_of(2.0 * resonators.frequency_Hz(bin));
+  return resonators.amplitude_N(bin).squaredNorm() + 0.5 * resonators.amplitude_N(harmonic).squaredNorm();
+}
+
+/// Best frequency in the band, or 0 where nothing stands out.
+template <int n>
+double fundamental_Hz(const Resonators<n>& resonators, double from_Hz, double to_Hz, double prominence) {
+  const int from = resonators.bin_of(from_Hz), to = resonators.bin_of(to_Hz);
+  double sum = 0.0, best = 0.0;
+  int peak = from;
+  for (int bin = from; bin <= to; ++bin) {
+    const double p = power(resonators, bin);
+    sum += p;
+    if (p > best) best = p, peak = bin;
+  }
+  if (peak == from || peak == to || !(best * (to - from + 1) > prominence * sum)) return 0.0;
+  // Parabola through the logarithms. By the fundamental alone: harmonics of a drifting rate pull sideways.
+  const double left = std::log(power(resonators, peak - 1)), right = std::log(power(resonators, peak + 1));
+  const double bend = left - 2.0 * std::log(best) + right;
+  const double offset = bend < 0.0 ? std::clamp(0.5 * (left - right) / bend, -0.5, 0.5) : 0.0;
+  return resonators.frequency_Hz(peak) + offset * resonators.spacing_Hz();
+}
+
+/// Spread of either quadrature of a harmonic: amplitude / sqrt(2).
+template <int n, std::size_t harmonics>
+void read_sigmas(const Resonators<n>& resonators, double fundamental_Hz, std::array<Vector3d, harmonics>& sigma_N) {
+  for (std::size_t h = 0; h < harmonics; ++h)
+    sigma_N[h] =
+        resonators.amplitude_N(resonators.bin_of(static_cast<double>(h + 1) * fundamental_Hz)) / std::numbers::sqrt2;
+}
+
+}  // namespace
+
+template <int kCount>
+void Resonators<kCount>::advance(double dt_s, const Vector3d& force_N, bool heard) {
+  const double keep = std::exp(-dt_s / memory_s_);
+  const double fill = heard ? -std::expm1(-std::min(dt_s, kLongestHold_s) / memory_s_) : 0.0;
+  const double pass = 1.0 - keep;
+  heard_second_ = keep * heard_second_ + pass * heard_first_;
+  heard_first_ = keep * heard_first_ + fill;
+  const double step_rad = 2.0 * std::numbers::pi * spacing_Hz_ * dt_s;
+  std::complex<double> turn = std::polar(keep, first_ * step_rad);
+  const std::complex<double> next = std::polar(1.0, step_rad);
+  for (Resonator& r : resonators_) {
+    r.second = turn * r.second + (pass / keep) * turn * r.first;
+    r.first = turn * r.first + fill * force_N.cast<std::complex<double>>();
+    turn *= next;
+  }
+}
+
+template <int kCount>
+Vector3d Resonators<kCount>::amplitude_N(int bin) const {
+  if (bin < 0 || bin >= kCount || heard_second_ < kLeastHeard) return Vector3d::Zero();
+  return 2.0 / heard_second_ * resonators_[static_cast<std::size_t>(bin)].second.cwiseAbs();
+}
+
+template class Resonators<141>;
+template class Resonators<106>;
+
+RhythmTracker::RhythmTracker() : heart_(0.04, 15, 2.5), breathing_(0.0125, 7, 7.0) {}
+
+void RhythmTracker::observe(double dt_s, const ForceGaussian& force) {
+  const Eigen::LLT<Matrix3d> factor(force.covariance_N2);
+  const bool usable = factor.info() == Eigen::Success && force.mean_N.allFinite();
+  const bool contact = usable && force.mean_N.dot(factor.solve(force.mean_N)) > kContact;
+  if (contact) {
+    if (!started_) level_N_ = slow_level_N_ = force.mean_N;
+    started_ = true;
+    level_N_ -= std::expm1(-dt_s / kHeartLevel_s) * (force.mean_N - level_N_);
+    slow_level_N_ -= std::expm1(-dt_s / kBreathingLevel_s) * (force.mean_N - slow_level_N_);
+  }
+  heart_.advance(dt_s, force.mean_N - level_N_, contact);
+  breathing_.advance(dt_s, force.mean_N - slow_level_N_, contact);
+
+  const double heart_Hz = fundamental_Hz(heart_, kHeartFrom_Hz, kHeartTo_Hz, kProminence);
+  heart_locked_ = heart_Hz > 0.0;
+  if (heart_locked_) rhythm_.heart_Hz = heart_Hz;
+  if (heart_locked_) read_sigmas(heart_, heart_Hz, rhythm_.heart_sigma_N);
+  if (!heart_locked_) rhythm_.heart_sigma_N.fill(Vector3d::Zero());
+
+  const double breathing_Hz = fundamental_Hz(breathing_, kBreathingFrom_Hz, kBreathingTo_Hz, kProminence);
+  breathing_locked_ = breathing_Hz > 0.0;
+  if (breathing_locked_) rhythm_.breathing_Hz = breathing_Hz;
+  if (breathing_locked_) read_sigmas(breathing_, breathing_Hz, rhythm_.breathing_sigma_N);
+  if (!breathing_locked_) rhythm_.breathing_sigma_N.fill(Vector3d::Zero());
+}
+
+}  // namespace palpate
