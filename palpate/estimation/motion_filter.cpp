@@ -68,8 +68,9 @@ ForceGaussian MotionFilter::forecast(double ahead_s) const {
   MotionStep ahead = step_;
   ahead.dt_s = ahead_s;
   ahead.jump = false;
+  if (adapts_) ahead.drive = noise_.drive_ahead(ahead_s);
   ahead.rhythm = rhythm_.rhythm();
-  return model_.forecast(ahead, state_);
+  return within_belief(model_.forecast(ahead, state_), belief_N());
 }
 
 }  // namespace palpate

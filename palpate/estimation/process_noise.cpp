@@ -96,19 +96,19 @@ void ProcessNoise::predict(double dt_s) {
       f.covariance(2, 2) += lost * disturbance * disturbance;
       if (f.covariance(0, 0) > kUnseen_N * kUnseen_N) f = start(i);
     }
-    mix_weights(dt_s, axis);
+    mix_weights(dt_s, axis.weight);
   }
 }
 
 /// The chain's transition over dt: half of the drift to either neighbour, reflected at the ends; a change draws anew
 /// from the prior, which also bounds what a long rest can say against a movement to come.
-void ProcessNoise::mix_weights(double dt_s, Axis& axis) const {
+void ProcessNoise::mix_weights(double dt_s, Weights& weight) const {
   const double drift = -std::expm1(-dt_s * options_.drift_per_s), change = -std::expm1(-dt_s * options_.change_per_s);
-  const std::array<double, kGrid> before = axis.weight;
+  const Weights before = weight;
   for (std::size_t g = 0; g < kGrid; ++g) {
     const double below = before[g == 0 ? 0 : g - 1], above = before[std::min<std::size_t>(g + 1, kGrid - 1)];
     const double drifted = (1.0 - drift) * before[g] + 0.5 * drift * (below + above);
-    axis.weight[g] = (1.0 - change) * drifted + change * prior_weight_[g];
+    weight[g] = (1.0 - change) * drifted + change * prior_weight_[g];
   }
 }
 
@@ -149,11 +149,13 @@ void ProcessNoise::observe_axis(double z_N, double variance_N2, Axis& axis) cons
   normalise(axis.weight);
 }
 
-Vector3d ProcessNoise::drive() const {
+Vector3d ProcessNoise::drive_ahead(double ahead_s) const {
   Vector3d out = Vector3d::Zero();
-  for (int i = 0; i < 3; ++i)
-    for (std::size_t g = 0; g < kGrid; ++g)
-      out(i) += axes_[static_cast<std::size_t>(i)].weight[g] * grid_[g] * grid_[g];
+  for (int i = 0; i < 3; ++i) {
+    Weights weight = axes_[static_cast<std::size_t>(i)].weight;
+    if (ahead_s > 0.0) mix_weights(ahead_s, weight);
+    for (std::size_t g = 0; g < kGrid; ++g) out(i) += weight[g] * grid_[g] * grid_[g];
+  }
   return out.cwiseSqrt();
 }
 

@@ -13,7 +13,7 @@ struct ProcessNoiseOptions {
   double prior_drive = 1.0;     ///< the guess before any frame, and after a change of regime
   double prior_spread = 1.5;    ///< its standard deviation, in ln q
   double drift_per_s = 0.5;     ///< how often q moves to its neighbour on the grid (a factor of about 2)
-  double change_per_s = 0.05;   ///< how often it becomes anything: the force starts to move after a rest
+  double change_per_s = 0.03;   ///< how often it becomes anything: the force starts to move after a rest
 
   static ProcessNoiseOptions of(ForceMotion motion);
   /// Throws InputError naming the field, its value and the range.
@@ -50,9 +50,12 @@ class ProcessNoise {
   void observe(const ForceLikelihood& likelihood, const ForceGaussian& explained);
 
   /// sqrt(E[q^2]) a tip axis; unit as MotionStep::drive.
-  Vector3d drive() const;
+  Vector3d drive() const { return drive_ahead(0.0); }
+  /// The same, of a time to come: sqrt(E[q^2]) after ahead_s without a frame.
+  Vector3d drive_ahead(double ahead_s) const;
 
  private:
+  using Weights = std::array<double, kGrid>;
   /// Level, rate, disturbance of one axis; what the model lacks stays zero.
   struct Follower {
     Vector3d mean = Vector3d::Zero();
@@ -60,17 +63,17 @@ class ProcessNoise {
   };
   struct Axis {
     std::array<Follower, kGrid> followers;
-    std::array<double, kGrid> weight{};
+    Weights weight{};
   };
 
   Follower start(int axis) const;
-  void mix_weights(double dt_s, Axis& axis) const;
+  void mix_weights(double dt_s, Weights& weight) const;
   void observe_axis(double z_N, double variance_N2, Axis& axis) const;
 
   MotionOptions motion_;
   ProcessNoiseOptions options_;
   bool has_rate_ = false;
-  std::array<double, kGrid> grid_{}, prior_weight_{};
+  Weights grid_{}, prior_weight_{};
   std::array<Axis, 3> axes_;
 };
 

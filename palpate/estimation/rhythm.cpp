@@ -21,12 +21,13 @@ constexpr double kContact = 16.3;
 template <int n>
 double power(const Resonators<n>& resonators, int bin) {
   const int harmonic = resonators.bin_of(2.0 * resonators.frequency_Hz(bin));
-  return resonators.amplitude_N(bin).squaredNorm() + 0.5 * resonators.amplitude_N(harmonic).squaredNorm();
+  return resonators.power_N2(bin) + 0.5 * resonators.power_N2(harmonic);
 }
 
 /// Best frequency in the band, or 0 where nothing stands out.
 template <int n>
-double fundamental_Hz(const Resonators<n>& resonators, double from_Hz, double to_Hz, double prominence) {
+double fundamental_Hz(const Resonators<n>& resonators, double from_Hz, double to_Hz, double prominence,
+                      double least_N2) {
   const int from = resonators.bin_of(from_Hz), to = resonators.bin_of(to_Hz);
   double sum = 0.0, best = 0.0;
   int peak = from;
@@ -35,8 +36,9 @@ double fundamental_Hz(const Resonators<n>& resonators, double from_Hz, double to
     sum += p;
     if (p > best) best = p, peak = bin;
   }
-  if (peak == from || peak == to || !(best * (to - from + 1) > prominence * sum)) return 0.0;
-  // Parabola through the logarithms. By the fundamental alone: harmonics of a drifting rate pull sideways.
+  const bool stands_out = best * (to - from + 1) > prominence * sum && best > least_N2;
+  if (peak == from || peak == to || !stands_out) return 0.0;
+  // A parabola through the logarithms: a resonator's line is nearly Gaussian at its top.
   const double left = std::log(power(resonators, peak - 1)), right = std::log(power(resonators, peak + 1));
   const double bend = left - 2.0 * std::log(best) + right;
   const double offset = bend < 0.0 ? std::clamp(0.5 * (left - right) / bend, -0.5, 0.5) : 0.0;
@@ -71,8 +73,19 @@ void Resonators<kCount>::advance(double dt_s, const Vector3d& force_N, bool hear
 }
 
 template <int kCount>
+bool Resonators<kCount>::knows(int bin) const {
+  return bin >= 0 && bin < kCount && heard_second_ >= kLeastHeard;
+}
+
+template <int kCount>
+double Resonators<kCount>::power_N2(int bin) const {
+  if (!knows(bin)) return 0.0;
+  return 4.0 / (heard_second_ * heard_second_) * resonators_[static_cast<std::size_t>(bin)].second.squaredNorm();
+}
+
+template <int kCount>
 Vector3d Resonators<kCount>::amplitude_N(int bin) const {
-  if (bin < 0 || bin >= kCount || heard_second_ < kLeastHeard) return Vector3d::Zero();
+  if (!knows(bin)) return Vector3d::Zero();
   return 2.0 / heard_second_ * resonators_[static_cast<std::size_t>(bin)].second.cwiseAbs();
 }
 
@@ -94,13 +107,14 @@ void RhythmTracker::observe(double dt_s, const ForceGaussian& force) {
   heart_.advance(dt_s, force.mean_N - level_N_, contact);
   breathing_.advance(dt_s, force.mean_N - slow_level_N_, contact);
 
-  const double heart_Hz = fundamental_Hz(heart_, kHeartFrom_Hz, kHeartTo_Hz, kProminence);
+  const double least_N2 = force.covariance_N2.trace();
+  const double heart_Hz = fundamental_Hz(heart_, kHeartFrom_Hz, kHeartTo_Hz, kProminence, least_N2);
   heart_locked_ = heart_Hz > 0.0;
   if (heart_locked_) rhythm_.heart_Hz = heart_Hz;
   if (heart_locked_) read_sigmas(heart_, heart_Hz, rhythm_.heart_sigma_N);
   if (!heart_locked_) rhythm_.heart_sigma_N.fill(Vector3d::Zero());
 
-  const double breathing_Hz = fundamental_Hz(breathing_, kBreathingFrom_Hz, kBreathingTo_Hz, kProminence);
+  const double breathing_Hz = fundamental_Hz(breathing_, kBreathingFrom_Hz, kBreathingTo_Hz, kProminence, least_N2);
   breathing_locked_ = breathing_Hz > 0.0;
   if (breathing_locked_) rhythm_.breathing_Hz = breathing_Hz;
   if (breathing_locked_) read_sigmas(breathing_, breathing_Hz, rhythm_.breathing_sigma_N);

@@ -27,10 +27,14 @@ class Resonators {
   double spacing_Hz() const { return spacing_Hz_; }
   /// Bin whose frequency is nearest; may lie outside [0, kCount).
   int bin_of(double frequency_Hz) const { return static_cast<int>(std::lround(frequency_Hz / spacing_Hz_)) - first_; }
+  /// Squared amplitudes, summed over the axes; zero for bins outside and while too little was heard.
+  double power_N2(int bin) const;
   /// Amplitude a tip axis; zero for bins outside and while too little was heard.
   Vector3d amplitude_N(int bin) const;
 
  private:
+  bool knows(int bin) const;
+
   static constexpr double kLongestHold_s = 0.1;
   static constexpr double kLeastHeard = 0.1;  ///< share of the memory that must have been filled
 
@@ -45,10 +49,11 @@ class Resonators {
 };
 
 /// Finds heart rate (40-180 beats/min) and breathing rate (6-40 breaths/min) in the force by itself, and how strong
-/// each harmonic is on each axis. The fundamental is where fundamental and second harmonic together hold the most
-/// power, by a parabola through the peak; a peak at the edge of the band, or one that stands out less than
-/// `kProminence` times from the band's mean, is none. While the force is not distinguishable from zero (contact lost)
-/// nothing is heard. Locks in about 5 s (heart) and 20 s (breathing). No allocation; about 5 us a frame.
+/// each harmonic is on each axis. The fundamental is where it and its second harmonic together hold the most power, by
+/// a parabola through the peak. A peak at the edge of the band is none, nor is one that stands out less than
+/// kProminence times from the band's mean, or one of less than a sigma of the force. While the force is not
+/// distinguishable from zero (contact lost) nothing is heard. Locks in about 5 s (heart) and 15 s (breathing). No
+/// allocation; about 10 us a frame.
 class RhythmTracker {
  public:
   RhythmTracker();
@@ -62,7 +67,7 @@ class RhythmTracker {
   bool breathing_locked() const { return breathing_locked_; }
 
  private:
-  static constexpr double kProminence = 3.0;
+  static constexpr double kProminence = 4.0;
   static constexpr int kHeartBins = 141, kBreathingBins = 106;  ///< 0.6-6.2 Hz, 0.0875-1.4 Hz
 
   Resonators<kHeartBins> heart_;
