@@ -11,6 +11,8 @@ namespace {
 
 /// A direction that a frame does not see is taken as known to this much, ten times any force here: as good as nothing.
 constexpr double kUnseen_N = 10.0;
+/// An axis known no better than this is passed over: more than a percent of it would be made of the line above.
+constexpr double kUseless_N = 1.0;
 
 void require(bool good, const char* field, double value, const char* range) {
   if (good) return;
@@ -100,16 +102,20 @@ void ProcessNoise::predict(double dt_s) {
   }
 }
 
-/// The chain's transition over dt: half of the drift to either neighbour, reflected at the ends; a change draws anew
-/// from the prior, which also bounds what a long rest can say against a movement to come.
+/// The chain's transition over dt: to either neighbour with half of the drift, less often where the prior thinks less
+/// of it (Metropolis), so that without data the weights stay the prior; a change draws anew from the prior, which also
+/// bounds what a long rest can say against a movement to come.
 void ProcessNoise::mix_weights(double dt_s, Weights& weight) const {
   const double drift = -std::expm1(-dt_s * options_.drift_per_s), change = -std::expm1(-dt_s * options_.change_per_s);
-  const Weights before = weight;
-  for (std::size_t g = 0; g < kGrid; ++g) {
-    const double below = before[g == 0 ? 0 : g - 1], above = before[std::min<std::size_t>(g + 1, kGrid - 1)];
-    const double drifted = (1.0 - drift) * before[g] + 0.5 * drift * (below + above);
-    weight[g] = (1.0 - change) * drifted + change * prior_weight_[g];
+  Weights drifted = weight;
+  for (std::size_t g = 0; g + 1 < kGrid; ++g) {
+    const double up = std::min(1.0, prior_weight_[g + 1] / prior_weight_[g]);
+    const double down = std::min(1.0, prior_weight_[g] / prior_weight_[g + 1]);
+    const double flow = 0.5 * drift * (up * weight[g] - down * weight[g + 1]);
+    drifted[g] -= flow;
+    drifted[g + 1] += flow;
   }
+  for (std::size_t g = 0; g < kGrid; ++g) weight[g] = (1.0 - change) * drifted[g] + change * prior_weight_[g];
 }
 
 void ProcessNoise::jump() {
@@ -128,7 +134,8 @@ void ProcessNoise::observe(const ForceLikelihood& likelihood, const ForceGaussia
   const Vector3d z = factor.solve(likelihood.information_mean_per_N) - explained.mean_N;
   const Matrix3d R = factor.solve(Matrix3d::Identity()) + explained.covariance_N2;
   if (!z.allFinite() || !R.allFinite()) return;
-  for (int i = 0; i < 3; ++i) observe_axis(z(i), R(i, i), axes_[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < 3; ++i)
+    if (R(i, i) < kUseless_N * kUseless_N) observe_axis(z(i), R(i, i), axes_[static_cast<std::size_t>(i)]);
 }
 
 void ProcessNoise::observe_axis(double z_N, double variance_N2, Axis& axis) const {

@@ -16,33 +16,56 @@ constexpr double kHeartLevel_s = 0.5, kBreathingLevel_s = 3.0;
 /// Contact: the force is not zero, chi-square of three at 99.9 %.
 constexpr double kContact = 16.3;
 
+/// Where to look for a fundamental, and what else is heard there.
+struct Search {
+  double from_Hz, to_Hz;
+  double least_N2;        ///< a weaker peak is none
+  double other_Hz = 0.0;  ///< another rhythm already found; within kOtherWidth_Hz of its harmonics nothing counts
+};
+constexpr double kOtherWidth_Hz =
+    0.06;  ///< the breathing resonators' answer to the heart has fallen to a fiftieth there
+
+bool belongs_to_other(const Search& search, double frequency_Hz) {
+  if (search.other_Hz <= 0.0) return false;
+  const double harmonic = std::max(1.0, std::round(frequency_Hz / search.other_Hz));
+  return std::abs(frequency_Hz - harmonic * search.other_Hz) < kOtherWidth_Hz;
+}
+
 /// Power of the fundamental at `bin` and, at half weight, of its second harmonic: half the frequency, which finds the
 /// same tone as its second harmonic, must not win.
 template <int n>
-double power(const Resonators<n>& resonators, int bin) {
-  const int harmonic = resonators.bin_of(2.0 * resonators.frequency_Hz(bin));
-  return resonators.power_N2(bin) + 0.5 * resonators.power_N2(harmonic);
+double power(const Resonators<n>& resonators, const Search& search, int bin) {
+  const double first_Hz = resonators.frequency_Hz(bin), second_Hz = 2.0 * first_Hz;
+  const double first = belongs_to_other(search, first_Hz) ? 0.0 : resonators.power_N2(bin);
+  const double second = belongs_to_other(search, second_Hz) ? 0.0 : resonators.power_N2(resonators.bin_of(second_Hz));
+  return first + 0.5 * second;
 }
 
-/// Best frequency in the band, or 0 where nothing stands out.
+/// A parabola through the logarithms: a resonator's line is nearly Gaussian at its top. Offset from the middle, in
+/// bins.
+double parabola_top(double left, double middle, double right) {
+  const double bend = std::log(left) - 2.0 * std::log(middle) + std::log(right);
+  return bend < 0.0 ? std::clamp(0.5 * std::log(left / right) / bend, -0.5, 0.5) : 0.0;
+}
+
+/// The strongest peak in the band, or 0 where nothing stands out. A peak rises above both neighbours; the flank of
+/// another rhythm does not.
 template <int n>
-double fundamental_Hz(const Resonators<n>& resonators, double from_Hz, double to_Hz, double prominence,
-                      double least_N2) {
-  const int from = resonators.bin_of(from_Hz), to = resonators.bin_of(to_Hz);
-  double sum = 0.0, best = 0.0;
-  int peak = from;
+double fundamental_Hz(const Resonators<n>& resonators, const Search& search, double prominence) {
+  const int from = resonators.bin_of(search.from_Hz), to = resonators.bin_of(search.to_Hz);
+  double sum = 0.0, best = 0.0, best_Hz = 0.0;
+  double left = 0.0, middle = power(resonators, search, from);
   for (int bin = from; bin <= to; ++bin) {
-    const double p = power(resonators, bin);
-    sum += p;
-    if (p > best) best = p, peak = bin;
+    const double right = bin == to ? 0.0 : power(resonators, search, bin + 1);
+    sum += middle;
+    if (middle > best && left > 0.0 && right > 0.0 && middle > left && middle > right) {
+      best = middle;
+      best_Hz = resonators.frequency_Hz(bin) + parabola_top(left, middle, right) * resonators.spacing_Hz();
+    }
+    left = middle;
+    middle = right;
   }
-  const bool stands_out = best * (to - from + 1) > prominence * sum && best > least_N2;
-  if (peak == from || peak == to || !stands_out) return 0.0;
-  // A parabola through the logarithms: a resonator's line is nearly Gaussian at its top.
-  const double left = std::log(power(resonators, peak - 1)), right = std::log(power(resonators, peak + 1));
-  const double bend = left - 2.0 * std::log(best) + right;
-  const double offset = bend < 0.0 ? std::clamp(0.5 * (left - right) / bend, -0.5, 0.5) : 0.0;
-  return resonators.frequency_Hz(peak) + offset * resonators.spacing_Hz();
+  return best * (to - from + 1) > prominence * sum && best > search.least_N2 ? best_Hz : 0.0;
 }
 
 /// Spread of either quadrature of a harmonic: amplitude / sqrt(2).
@@ -108,13 +131,14 @@ void RhythmTracker::observe(double dt_s, const ForceGaussian& force) {
   breathing_.advance(dt_s, force.mean_N - slow_level_N_, contact);
 
   const double least_N2 = force.covariance_N2.trace();
-  const double heart_Hz = fundamental_Hz(heart_, kHeartFrom_Hz, kHeartTo_Hz, kProminence, least_N2);
+  const double heart_Hz = fundamental_Hz(heart_, {kHeartFrom_Hz, kHeartTo_Hz, least_N2}, kProminence);
   heart_locked_ = heart_Hz > 0.0;
   if (heart_locked_) rhythm_.heart_Hz = heart_Hz;
   if (heart_locked_) read_sigmas(heart_, heart_Hz, rhythm_.heart_sigma_N);
   if (!heart_locked_) rhythm_.heart_sigma_N.fill(Vector3d::Zero());
 
-  const double breathing_Hz = fundamental_Hz(breathing_, kBreathingFrom_Hz, kBreathingTo_Hz, kProminence, least_N2);
+  const double breathing_Hz = fundamental_Hz(
+      breathing_, {kBreathingFrom_Hz, kBreathingTo_Hz, least_N2, heart_locked_ ? rhythm_.heart_Hz : 0.0}, kProminence);
   breathing_locked_ = breathing_Hz > 0.0;
   if (breathing_locked_) rhythm_.breathing_Hz = breathing_Hz;
   if (breathing_locked_) read_sigmas(breathing_, breathing_Hz, rhythm_.breathing_sigma_N);
