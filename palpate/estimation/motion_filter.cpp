@@ -31,8 +31,10 @@ const ForceGaussian& MotionFilter::predict(double dt_s) {
   step_.jump = false;
   step_.rhythm = rhythm_.rhythm();
   if (adapts_) {
-    noise_.predict(dt_s);
+    // Of the frame before: whether the drive has changed since is for the frame at hand to say. With the chance of a
+    // change mixed in, the prior of a force at rest would be far too wide, and the NIS too small.
     step_.drive = noise_.drive();
+    noise_.predict(dt_s);
   }
   repeat_prediction();
   return prior_;

@@ -25,6 +25,7 @@ MotionFilter default_filter(ForceMotion motion = ForceMotion::kConstantVelocity)
 struct Score {
   Vector3d rmse_ratio = Vector3d::Zero();  ///< RMSE / the sigma of a frame
   double mean_nees = 0.0;
+  double mean_nis = 0.0;                       ///< of the seen force: three degrees of freedom
   Vector3d within_4_sigma = Vector3d::Zero();  ///< share
 };
 
@@ -39,8 +40,12 @@ Score follow(
   for (int k = 0; k < to_s * rate_Hz; ++k) {
     const Vector3d truth = force(k / rate_Hz);
     filter.predict(k == 0 ? 0.0 : 1.0 / rate_Hz);
-    EXPECT_TRUE(filter.absorb(test::measure(truth, R, draws), jumps(k)));
+    const ForceGaussian prior = filter.prior();
+    const ForceLikelihood y = test::measure(truth, R, draws);
+    EXPECT_TRUE(filter.absorb(y, jumps(k)));
     if (k < from_s * rate_Hz) continue;
+    const Vector3d innovation = R * y.information_mean_per_N - prior.mean_N;
+    score.mean_nis += innovation.dot((prior.covariance_N2 + R).llt().solve(innovation));
     const ForceGaussian found = filter.reported();
     const Vector3d error = found.mean_N - truth;
     score.rmse_ratio += error.cwiseAbs2().cwiseQuotient(R.diagonal());
@@ -51,6 +56,7 @@ Score follow(
   }
   score.rmse_ratio = (score.rmse_ratio / count).cwiseSqrt();
   score.mean_nees /= count;
+  score.mean_nis /= count;
   score.within_4_sigma /= count;
   return score;
 }
@@ -140,6 +146,8 @@ TEST(MotionFilter, IsConsistentOnForcesDrawnFromItsLaw) {
     EXPECT_LT(score.rmse_ratio.maxCoeff(), 1.0) << q;
     EXPECT_GT(score.mean_nees, 2.4) << q;
     EXPECT_LT(score.mean_nees, 3.6) << q;
+    EXPECT_GT(score.mean_nis, 2.4) << q;
+    EXPECT_LT(score.mean_nis, 3.3) << q;
     EXPECT_GT(score.within_4_sigma.minCoeff(), 0.995) << q;
   }
 }
