@@ -34,6 +34,18 @@ inline Vector3d log_so3(const Matrix3d& R) {
   return (2.0 * std::atan2(sine, q.w()) / sine) * q.vec();
 }
 
+/// Right Jacobian: exp(phi + eps) = exp(phi) exp(J_r(phi) eps) + O(eps^2).
+/// J_r = I - (1 - cos a)/a^2 hat(phi) + (a - sin a)/a^3 hat(phi)^2, a = |phi|.
+inline Matrix3d right_jacobian(const Vector3d& phi) {
+  const double a = phi.norm();
+  const Matrix3d H = hat(phi);
+  const bool small = a < 1e-3;
+  const double half_sine = std::sin(0.5 * a);
+  const double b = small ? 0.5 - a * a / 24.0 : 2.0 * half_sine * half_sine / (a * a);
+  const double c = small ? 1.0 / 6.0 - a * a / 120.0 : (a - std::sin(a)) / (a * a * a);
+  return Matrix3d::Identity() - b * H + c * H * H;
+}
+
 /// Inverse of the left Jacobian: log(exp(eps) exp(phi)) = phi + J_l^-1(phi) eps + O(eps^2).
 /// J_l^-1 = I - hat(phi)/2 + (1/a^2 - cot(a/2)/(2a)) hat(phi)^2, a = |phi| < 2 pi.
 inline Matrix3d inverse_left_jacobian(const Vector3d& phi) {

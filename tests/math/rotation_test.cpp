@@ -60,6 +60,31 @@ TEST(Rotation, InverseJacobiansAreDerivativesOfLog) {
   }
 }
 
+/// Rounding of the differences is 1e-16 / h = 1e-11, their truncation h^2 / 6.
+TEST(Rotation, RightJacobianIsTheDerivativeOfExp) {
+  std::mt19937_64 random(5);
+  constexpr double h = 1e-5;
+  for (const double angle : {0.0, 1e-9, 1e-4, 0.9e-3, 1.1e-3, 0.5, 2.0, 3.0, 6.0, 10.0}) {
+    const Vector3d phi = angle * random_vector(random, 1.0).normalized();
+    for (int k = 0; k < 3; ++k) {
+      const Vector3d step = h * Vector3d::Unit(k);
+      const Matrix3d back = exp_series(phi).transpose();
+      const Vector3d turn = (log_so3(back * exp_series(phi + step)) - log_so3(back * exp_series(phi - step))) / (2 * h);
+      EXPECT_LT((turn - right_jacobian(phi).col(k)).norm(), 1e-9) << angle;
+    }
+  }
+}
+
+/// Both sides of the angle where the series takes over (1e-3 rad): cancellation in 1 - cos leaves 1e-16 / 1e-3 there.
+TEST(Rotation, RightJacobianAndItsInverseUndoEachOther) {
+  std::mt19937_64 random(6);
+  for (const double angle : {0.0, 1e-12, 1e-6, 0.9e-4, 1.1e-4, 0.99e-3, 1.01e-3, 0.1, 1.0, 3.0, 5.5})
+    for (int i = 0; i < 20; ++i) {
+      const Vector3d phi = angle * random_vector(random, 1.0).normalized();
+      EXPECT_LT((right_jacobian(phi) * inverse_right_jacobian(phi) - Matrix3d::Identity()).norm(), 2e-12) << angle;
+    }
+}
+
 TEST(Pose, ComposesAndInverts) {
   std::mt19937_64 random(4);
   const Pose T_a_b{exp_so3(random_vector(random, 2.0)), random_vector(random, 1.0)};
