@@ -66,6 +66,7 @@ bool regress(Model& model, const StateVector& mean, const StateMatrix& L, Update
 struct WhitenedPosterior {
   StateVector mean;
   StateMatrix T;
+  StateMatrix information;  ///< R_zz^T R_zz
   double chi_square = 0.0;  ///< nu^T S_yy^-1 nu
 };
 
@@ -100,6 +101,8 @@ inline void solve_whitened(const Regression& line, WhitenedPosterior& out) {
   R_zz.triangularView<Eigen::Upper>().solveInPlace(out.mean);
   out.T.setIdentity(n, n);
   R_zz.triangularView<Eigen::Upper>().solveInPlace(out.T);
+  const StateMatrix upper = R_zz.triangularView<Eigen::Upper>();
+  out.information = upper.transpose().lazyProduct(upper);
   out.chi_square = q.tail(m).squaredNorm();
 }
 
@@ -128,11 +131,7 @@ inline StateMatrix square(const StateMatrix& F) {
 /// the weights make needless.
 template <MeasurementModel Model>
 void unscented_update(Model& model, const Gaussian& prior, Update& out) {
-  out.status = UpdateStatus::kFailed;
-  out.posterior = prior;
-  out.chi_square = out.residual_chi_square = 0.0;
-  out.rows = model.rows();
-  out.evaluations = 0;
+  detail::begin(model.rows(), prior, out);
   ResidualMatrix noise;
   model.noise(noise);
   Eigen::LLT<ResidualMatrix> W;
@@ -153,6 +152,7 @@ void unscented_update(Model& model, const Gaussian& prior, Update& out) {
 
   out.posterior = posterior;
   out.chi_square = z.chi_square;
+  out.surprise = whitened_surprise(z.mean, z.information);
   ++out.evaluations;
   out.status = UpdateStatus::kNotConverged;
   if (!model.linearize(posterior.mean, out.at) || !out.at.residual.allFinite()) return;
