@@ -50,6 +50,7 @@ void validate_names(const std::vector<Sensor>& sensors, const BaseRegistration& 
     refuse("number of sensors", static_cast<double>(sensors.size()), fmt::format("1..{}", kMaxSensors));
   }
   std::vector<std::string> names;
+  names.reserve(sensors.size() + 1);
   for (const Sensor& sensor : sensors) names.push_back(sensor.name);
   if (base.tracked) names.push_back(base.sensor.name);
   for (std::size_t i = 0; i < names.size(); ++i) {

@@ -32,7 +32,8 @@ ShapeModel::ShapeModel(const Catheter& catheter, MeasurementKind kind, Accuracy 
       kind_(kind),
       solver_(catheter.rod, arc_lengths(catheter), accuracy),
       solution_(solver_.make_solution<3>()),
-      workspace_(make_weight_workspace<3>(solver_)) {
+      workspace_(make_weight_workspace<3>(solver_)),
+      seeds_(catheter) {
   catheter_.validate();
   directions_.force_tip_N.setIdentity();
   if (kind_ != MeasurementKind::kTipAndCurvature) return;
@@ -69,6 +70,7 @@ void ShapeModel::set_tendon_moment(const Eigen::Vector2d& moment_Nm) {
 }
 
 void ShapeModel::select(const Measurement& measurement, unsigned mask) {
+  measurement_ = &measurement;
   selected_count_ = rows_ = 0;
   curvature_ = false;
   used_ = 0;
@@ -132,6 +134,30 @@ bool ShapeModel::linearize(const StateVector& x, Linearization& at) {
   }
   if (curvature_) curvature_rows(at);
   return at.residual.allFinite();
+}
+
+int ShapeModel::block_end(int row) const {
+  int end = rows_;
+  for (int k = selected_count_ - 1 + (curvature_ ? 1 : 0); k >= 0 && selected_[k].first > row; --k)
+    end = selected_[k].first;
+  return end;
+}
+
+bool ShapeModel::seed(int k, StateVector& x, int& evaluations) {
+  if (k == 0) {
+    TipLoad load = load_;
+    load.distributed_tip_N_per_m =
+        solution_.T_base_tip.R.transpose() * catheter_.rod.distributed_load_base_N_per_m;  // as of the latest shape
+    seeds_.begin(*measurement_, used_, load);
+  }
+  const std::int64_t before = seeds_.evaluations();
+  Vector3d force_tip_N;
+  const bool found = seeds_.seed(k, force_tip_N);
+  const std::int64_t work = seeds_.evaluations() - before;
+  evaluations += static_cast<int>(work);
+  evaluations_ += work;
+  if (found && force_tip_N.allFinite()) x.head<3>() = force_tip_N;
+  return found;
 }
 
 /// omega_se = log(R_behind^T R_tip) / ds in local axes (Eq. (11)), measured and predicted alike, so that the finite

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <palpate/math/linearization.hpp>
 #include <palpate/rod/base_loads.hpp>
+#include <palpate/sensing/force_seeds.hpp>
 #include <palpate/sensing/measurement.hpp>
 #include <palpate/sensing/sensor_model.hpp>
 
@@ -16,7 +17,7 @@ enum class MeasurementKind {
 };
 
 /// h(x) of the whole catheter: from the tip force to what the sensors of one frame see, with exact Jacobian and noise.
-/// Meets the filters' MeasurementModel. State: x = F, the tip force in the tip frame [N].
+/// Meets the filters' MeasurementModel, BlockModel and SeededModel. State: x = F, the tip force in the tip frame [N].
 /// One object a thread; linearize() and the rest neither allocate nor throw.
 class ShapeModel {
  public:
@@ -36,10 +37,15 @@ class ShapeModel {
 
   void noise(ResidualMatrix& R) const;
   bool linearize(const StateVector& x, Linearization& at);
+  int block_end(int row) const;  ///< behind the rows of the sensor (or of the curvature) that `row` belongs to
+
+  /// The k-th force that the selected poses suggest by themselves; false where there are no more. Adds the curves
+  /// integrated for it to `evaluations`. In rising order of k.
+  bool seed(int k, StateVector& x, int& evaluations);
 
   /// Tip frame in the base frame at the last linearization: turns F into base components.
   const Pose& T_base_tip() const { return solution_.T_base_tip; }
-  std::int64_t evaluations() const { return evaluations_; }  ///< integrations of the rod since construction
+  std::int64_t evaluations() const { return evaluations_; }  ///< rods and curves integrated since construction
 
  private:
   struct Row {
@@ -61,6 +67,8 @@ class ShapeModel {
   LoadDirections<3> directions_;
   RodSolution<3> solution_;
   WeightWorkspace<3> workspace_;
+  ForceSeeds seeds_;
+  const Measurement* measurement_ = nullptr;
   int tip_ = 0, behind_ = -1;  ///< the two most distal pose sensors: the paper's vector
 
   std::array<Row, kMaxSensors> selected_;

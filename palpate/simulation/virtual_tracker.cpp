@@ -88,7 +88,7 @@ VirtualRecording simulate_tracker(const Catheter& catheter, const ForceSchedule&
     }
     recording.frames.push_back(std::move(frame));
     recording.force_tip_N.push_back(load.force_tip_N);
-    recording.force_base_N.push_back(shape.T_base_tip.R * load.force_tip_N);
+    recording.force_base_N.emplace_back(shape.T_base_tip.R * load.force_tip_N);
   }
   return recording;
 }
