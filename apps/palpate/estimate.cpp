@@ -7,7 +7,7 @@
 #include <memory>
 #include <palpate/identification/tare.hpp>
 #include <palpate/math/units.hpp>
-#include <palpate/observer/force_observer.hpp>
+#include <palpate/observer/smoothing.hpp>
 #include <palpate/recording/estimate_csv.hpp>
 
 #include "estimate_input.hpp"
@@ -55,20 +55,29 @@ int run(const EstimateOptions& options) {
   const TrackerRecording recording = load_recording(options, file, file.warnings);
   if (options.strict) refuse_passed_over_rows(recording);
 
-  EstimateReport report(recording);
+  EstimateReport report(recording, options.smooth);
   if (!options.average.empty()) {
     const TimeSpan span = parse_time_span("--average", options.average);
     report.set_average(span.from_s, span.to_s);
   }
   const Catheter catheter = corrected_catheter(file, recording, report);
   ForceObserver observer(catheter, file.observer);
-  EstimateCsvWriter writer(options.out);
+  EstimateCsvWriter writer(options.out, options.forecast_s > 0.0);
+  const auto put = [&](const Estimate& estimate, const TrackerFrame& frame) {
+    writer.write(estimate);
+    report.add(estimate, frame.readings.size());
+  };
+  SmoothingPass smoothing(observer);
   for (const TrackerFrame& frame : recording.frames) {
     const Estimate estimate = observer.update(frame);
     if (options.strict) refuse_passed_over_readings(recording, frame, estimate);
-    writer.write(estimate);
-    report.add(estimate, frame.readings.size());
+    if (options.smooth)
+      smoothing.add(observer, frame, estimate);
+    else
+      put(estimate, frame);
   }
+  const std::vector<Estimate> smoothed = smoothing.finish(observer);
+  for (std::size_t i = 0; i < smoothed.size(); ++i) put(smoothed[i], recording.frames[i]);
   if (!options.plot.empty()) report.plot(options.plot, catheter.name);
   writer.commit();
   if (2 * report.frames_used() < recording.frames.size())

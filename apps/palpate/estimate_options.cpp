@@ -19,10 +19,14 @@ namespace {
 template <class Enum>
 using Named = std::pair<std::string_view, Enum>;
 
-constexpr std::array<Named<Method>, 3> kMethods{
-    {{"ekf", Method::kEkf}, {"iekf", Method::kIekf}, {"iaekf", Method::kIaekf}}};
+constexpr std::array<Named<Method>, 4> kMethods{
+    {{"ekf", Method::kEkf}, {"iekf", Method::kIekf}, {"iaekf", Method::kIaekf}, {"ukf", Method::kUkf}}};
 constexpr std::array<Named<MeasurementKind>, 2> kMeasurements{
     {{"poses", MeasurementKind::kPoses}, {"tip_and_curvature", MeasurementKind::kTipAndCurvature}}};
+constexpr std::array<Named<ForceMotion>, 4> kForceModels{{{"random_walk", ForceMotion::kRandomWalk},
+                                                          {"constant_velocity", ForceMotion::kConstantVelocity},
+                                                          {"gauss_markov", ForceMotion::kGaussMarkov},
+                                                          {"rhythm", ForceMotion::kRhythm}}};
 
 template <class Names>
 void choose(std::string_view flag, const std::string& value, const Names& known,
@@ -65,6 +69,7 @@ void refuse_absent_folder(const char* flag, const std::string& output) {
 
 std::string_view name_of(Method method) { return name_in(kMethods, method); }
 std::string_view name_of(MeasurementKind kind) { return name_in(kMeasurements, kind); }
+std::string_view name_of(ForceMotion motion) { return name_in(kForceModels, motion); }
 
 TimeSpan parse_time_span(std::string_view flag, const std::string& text) {
   const auto refuse = [&](const char* expected) {
@@ -111,7 +116,13 @@ void apply_options(const EstimateOptions& options, CatheterFile& file) {
   if (!options.state.empty() && options.state != "force")
     throw InputError(fmt::format(
         "--state {}: expected force; stiffness and precurvature are not estimated by this version", options.state));
-  if (options.smooth) throw InputError("--smooth: not available in this version; leave it out for the online estimate");
+  choose("--force-model", options.force_model, kForceModels, observer.force_model);
+  if (options.smooth && options.forecast_s > 0.0)
+    throw InputError(
+        fmt::format("--forecast {}: expected without --smooth, which knows what comes", options.forecast_s));
+  if (!(options.forecast_s >= 0.0 && options.forecast_s <= 60.0))
+    throw InputError(fmt::format("--forecast {}: expected seconds, 0 to 60", options.forecast_s));
+  observer.forecast_s = options.forecast_s;
   if (!options.reference.empty()) {
     const TimeSpan span = parse_time_span("--reference", options.reference);
     file.reference.from_s = span.from_s;
@@ -129,15 +140,20 @@ void add_estimate_options(CLI::App& verb, EstimateOptions& options) {
   verb.add_option("--catheter", options.catheter, "catheter file (TOML)")->required();
   verb.add_option("--out", options.out, "estimate CSV to write")->required();
   verb.add_option("--tendon", options.tendon, "tendon CSV: moment or tension over time");
-  verb.add_option("--method", options.method, "ekf, iekf or iaekf, instead of the catheter file's");
+  verb.add_option("--method", options.method, "ekf, iekf, iaekf or ukf, instead of the catheter file's");
   verb.add_option("--measurement", options.measurement, "poses or tip_and_curvature, instead of the catheter file's");
+  verb.add_option("--force-model", options.force_model,
+                  "random_walk, constant_velocity, gauss_markov or rhythm, instead of the catheter file's");
   verb.add_option("--state", options.state, "what is estimated: force");
   verb.add_option("--reference", options.reference,
                   "FROM:TO in seconds without tip force: corrects base and precurvature");
   verb.add_option("--average", options.average,
                   "FROM:TO in seconds of a load at rest: adds its mean force to the summary");
   verb.add_option("--plot", options.plot, "draw force and 95 % band over time (.svg or .png)");
-  verb.add_flag("--smooth", options.smooth, "use later frames as well (not in this version)");
+  verb.add_flag("--smooth", options.smooth,
+                "use later frames as well: the force of each frame in the light of the whole recording");
+  verb.add_option("--forecast", options.forecast_s,
+                  "SECONDS: adds columns with the force this far ahead, and its sigma");
   verb.add_flag("--strict", options.strict, "make every reading that would be passed over an error");
   verb.add_flag("--json", options.json, "print the summary as JSON");
   verb.footer(

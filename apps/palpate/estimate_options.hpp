@@ -15,7 +15,8 @@ namespace palpate::app {
 /// The command line of `palpate estimate`, as typed; empty: not given.
 struct EstimateOptions {
   std::vector<std::string> recordings;  ///< of one run, each with its own sensors
-  std::string catheter, out, tendon, method, state, measurement, reference, average, plot;
+  std::string catheter, out, tendon, method, state, measurement, force_model, reference, average, plot;
+  double forecast_s = 0.0;  ///< 0: none
   bool smooth = false, strict = false, json = false;
 };
 
@@ -37,5 +38,6 @@ void apply_options(const EstimateOptions& options, CatheterFile& file);
 
 std::string_view name_of(Method method);
 std::string_view name_of(MeasurementKind kind);
+std::string_view name_of(ForceMotion motion);
 
 }  // namespace palpate::app

@@ -91,8 +91,9 @@ void EstimateReport::print(const Catheter& catheter, const ObserverOptions& opti
                            bool json) {
   const RunSummary summary = summary_.finish();
   if (json) return print_json(summary, catheter, options, out);
-  fmt::print("{} frames, {:.3f} s to {:.3f} s, {} on {}\n", summary.frames, summary.first_time_s, summary.last_time_s,
-             name_of(options.method), name_of(options.measurement));
+  fmt::print("{} frames, {:.3f} s to {:.3f} s, {} on {}, force model {}{}\n", summary.frames, summary.first_time_s,
+             summary.last_time_s, name_of(options.method), name_of(options.measurement), name_of(options.force_model),
+             smoothed_ ? ", smoothed" : "");
   print_counts(summary);
   print_tare();
   print_figures(summary);
@@ -164,6 +165,8 @@ void EstimateReport::print_json(const RunSummary& s, const Catheter& catheter, c
       {"estimate", out},
       {"method", name_of(options.method)},
       {"measurement", name_of(options.measurement)},
+      {"force_model", name_of(options.force_model)},
+      {"smoothed", smoothed_},
       {"frames", s.frames},
       {"first_time_s", s.first_time_s},
       {"last_time_s", s.last_time_s},

@@ -16,7 +16,7 @@ namespace palpate::app {
 /// What `palpate estimate` tells a person, a program (JSON) and the eye (picture) about a run.
 class EstimateReport {
  public:
-  explicit EstimateReport(const TrackerRecording& recording) : recording_(recording) {}
+  EstimateReport(const TrackerRecording& recording, bool smoothed) : recording_(recording), smoothed_(smoothed) {}
 
   void set_tare(const Tare& tare) { tare_ = tare; }
   void set_average(double from_s, double to_s) { average_.emplace(from_s, to_s); }
@@ -37,6 +37,7 @@ class EstimateReport {
                   const std::string& out) const;
 
   const TrackerRecording& recording_;
+  bool smoothed_;
   std::optional<Tare> tare_;
   std::optional<ForceAverage> average_;
   RunSummaryBuilder summary_;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <palpate/estimation/consistency.hpp>
+#include <palpate/estimation/force_gaussian.hpp>
 #include <palpate/observer/frame_clock.hpp>
 #include <palpate/sensing/screening.hpp>
 #include <string_view>
@@ -24,6 +25,13 @@ inline constexpr std::size_t kEstimateStatuses = 7;
 /// "UPDATED", "RESEEDED", ...: the words of the estimate CSV.
 std::string_view describe(EstimateStatus status);
 
+/// An earlier force, with what the frames since have said about it.
+struct LaggedForce {
+  int age_frames = -1;  ///< -1: none yet, or not asked for (ObserverOptions::smoothing_lag_frames)
+  double time_s = 0.0;
+  ForceGaussian force;  ///< tip axes
+};
+
 /// What the observer knows after a frame. Held states carry the predicted force with its grown covariance.
 struct Estimate {
   double time_s = 0.0;
@@ -37,9 +45,12 @@ struct Estimate {
   int sensors_used = 0;
   double nis = 0.0;              ///< normalised innovation squared, at the posterior's optimum
   int dof = 0;                   ///< its degrees of freedom; 0 where nothing was used
+  bool jumped = false;           ///< the prediction was set aside: this frame alone speaks
   ResidualVector innovation;     ///< y (-) h(prediction): rows as sensing/sensor_model.hpp; empty if unused
   int evaluations = 0;           ///< integrations of the rod
   ConvergenceIndex convergence;  ///< where ObserverOptions asks for it
+  ForceGaussian forecast;        ///< of the force ObserverOptions::forecast_s from now, tip axes; where asked for
+  LaggedForce lagged;            ///< where asked for
   std::array<Rejection, kMaxSensors + 1> rejections{};  ///< of each reading; the base sensor's last
 };
 

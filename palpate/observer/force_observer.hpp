@@ -2,24 +2,25 @@
 #pragma once
 
 #include <optional>
-#include <palpate/estimation/adaptation.hpp>
-#include <palpate/estimation/consistency.hpp>
-#include <palpate/estimation/kalman.hpp>
+#include <palpate/estimation/motion_filter.hpp>
+#include <palpate/estimation/smoother.hpp>
 #include <palpate/observer/estimate.hpp>
 #include <palpate/observer/frame_clock.hpp>
+#include <palpate/observer/frame_explainer.hpp>
 #include <palpate/observer/options.hpp>
-#include <palpate/sensing/shape_model.hpp>
+#include <vector>
 
 namespace palpate {
 
 /// Feels the force on a catheter's tip through its shape: a tracker frame in, an estimate out.
 ///
-///   F_k = F_(k-1) + eta_k,  eta ~ N(0, q^2 dt I)          the force walks at random            (10)
-///   y_k = h(F_k) + w_k                                   what the sensors see of the rod       (11)
+///   x_k = A x_(k-1) + eta_k,   F_k = H x_k     how the force moves                       (10), MotionFilter
+///   y_k = h(F_k) + w_k                         what the sensors see of the rod           (11), ShapeModel
 ///
-/// update() neither allocates, throws, locks, logs nor looks at a clock. Its work is bounded: with n sensors in the
-/// frame at most 5 + 2 n fits of at most 1 + 9 max_iterations rod solutions (usually one fit of three). One object a
-/// catheter and a thread.
+/// Right from any starting force (FrameExplainer); process noise and rhythm are found from the data.
+///
+/// update() neither allocates, throws, locks, logs nor looks at a clock. Its work is bounded
+/// (FrameExplainer::most_evaluations; usually three rod solutions). One object a catheter and a thread.
 class ForceObserver {
  public:
   /// Throws InputError where catheter or options are not usable.
@@ -28,43 +29,33 @@ class ForceObserver {
   /// Frames in time order; `frame.readings` as Catheter::sensors (a tracked base last).
   Estimate update(const TrackerFrame& frame);
 
- private:
-  /// The shape model with its noise as adapted so far.
-  struct AdaptedModel {
-    ShapeModel& shape;
-    const NoiseAdaptation* adaptation;
-    int rows() const { return shape.rows(); }
-    void noise(ResidualMatrix& R) const;
-    bool linearize(const StateVector& x, Linearization& at) { return shape.linearize(x, at); }
-  };
+  /// The force `ahead_s` after the latest frame, tip axes, with its covariance. n steps ahead: n frame times.
+  ForceGaussian forecast(double ahead_s) const { return motion_.forecast(ahead_s); }
 
-  void predict(double dt_s);
-  EstimateStatus explain_frame();
-  EstimateStatus explain_surprise(unsigned present);
-  EstimateStatus explain_without_one_sensor(unsigned present, const Gaussian& anywhere);
-  bool fit(unsigned sensors, const Gaussian& prior, const StateVector& start);
-  bool agrees_with_prediction() const;
-  bool explains_sensors() const;
-  bool agrees_with_itself() const;
-  void single_step(const Gaussian& prior);
-  EstimateStatus accept(const Gaussian& prior);
-  EstimateStatus take(const Gaussian& prior);
+  /// Orientation of the tip in the base under a force and a tendon's pull; one rod solution. The pull stays set, as
+  /// that of the latest frame does.
+  Matrix3d R_base_tip(const Vector3d& force_tip_N, const TendonReading& tendon);
+
+  const MotionFilter& motion() const { return motion_; }
+
+ private:
+  void look_back(double time_s);
   Estimate report(double time_s, FrameTime time, EstimateStatus status) const;
 
   Catheter catheter_;
   ObserverOptions options_;
-  ChiSquareGate gate_;
   FrameClock clock_;
-  ShapeModel shape_;
-  std::optional<NoiseAdaptation> adaptation_;
+  FrameExplainer explainer_;
+  MotionFilter motion_;
 
-  Gaussian state_;  ///< posterior; after predict() the prior of the frame at hand
-  Matrix3d R_base_tip_;
   Measurement measurement_;
-  Update update_;  ///< latest fit of the frame at hand
-  unsigned used_ = 0;
+  Matrix3d R_base_tip_;
+  bool updated_ = false;
   std::int64_t evaluations_before_ = 0;
-  ConvergenceIndex convergence_;
+
+  std::optional<FixedLagSmoother> lag_;
+  std::vector<double> times_s_;  ///< of the frames that lag_ remembers: a ring
+  std::size_t frames_ = 0;
 };
 
 }  // namespace palpate

@@ -15,6 +15,9 @@ enum class FrameTime : std::uint8_t {
   kNotFinite,       ///< rejected
 };
 
+/// The frame counts: time has passed with it.
+constexpr bool moves_the_clock(FrameTime verdict) { return verdict <= FrameTime::kResynchronised; }
+
 /// Turns time stamps into time steps. It owns no clock: time is what the frames say.
 class FrameClock {
  public:
@@ -24,7 +27,7 @@ class FrameClock {
   struct Step {
     FrameTime verdict = FrameTime::kFirst;
     double dt_s = 0.0;
-    bool accepted() const { return verdict <= FrameTime::kResynchronised; }
+    bool accepted() const { return moves_the_clock(verdict); }
   };
 
   Step advance(double time_s);

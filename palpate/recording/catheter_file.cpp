@@ -70,38 +70,52 @@ void read_state(const TomlTable& table, ObserverOptions& options, std::vector<st
                     "only the force is estimated", warnings);
 }
 
-void read_choices(const TomlTable& table, ObserverOptions& options, std::vector<std::string>& warnings) {
+void read_choices(const TomlTable& table, ObserverOptions& options) {
   options.method = table.choice<Method>(
       "method", {{"ekf", Method::kEkf}, {"iekf", Method::kIekf}, {"iaekf", Method::kIaekf}, {"ukf", Method::kUkf}},
       options.method);
-  warn_not_acted_on(table, "method", options.method == Method::kUkf, "iekf is used", warnings);
-  if (options.method == Method::kUkf) options.method = Method::kIekf;
   options.measurement = table.choice<MeasurementKind>(
       "measurement", {{"poses", MeasurementKind::kPoses}, {"tip_and_curvature", MeasurementKind::kTipAndCurvature}},
       options.measurement);
-  options.force_model = table.choice<ForceModel>("force_model",
-                                                 {{"random_walk", ForceModel::kRandomWalk},
-                                                  {"gauss_markov", ForceModel::kGaussMarkov},
-                                                  {"constant_velocity", ForceModel::kConstantVelocity},
-                                                  {"rhythm", ForceModel::kRhythm}},
-                                                 options.force_model);
-  warn_not_acted_on(table, "force_model", options.force_model > ForceModel::kGaussMarkov, "random_walk is used",
-                    warnings);
-  if (options.force_model > ForceModel::kGaussMarkov) options.force_model = ForceModel::kRandomWalk;
+  options.force_model = table.choice<ForceMotion>("force_model",
+                                                  {{"random_walk", ForceMotion::kRandomWalk},
+                                                   {"gauss_markov", ForceMotion::kGaussMarkov},
+                                                   {"constant_velocity", ForceMotion::kConstantVelocity},
+                                                   {"rhythm", ForceMotion::kRhythm}},
+                                                  options.force_model);
+}
+
+/// How the force moves: [estimator] as far as the motion model goes.
+void read_motion(const TomlTable& table, ObserverOptions& options) {
+  options.force_rate_N_per_sqrt_s =
+      table.number("force_rate_N_per_sqrt_s", {0.0, 100.0, "N/sqrt(s), 0 (found from the data) to 100"},
+                   options.force_rate_N_per_sqrt_s);
+  if (options.force_rate_N_per_sqrt_s > 0.0 && options.force_model != ForceMotion::kRandomWalk)
+    table.refuse("force_rate_N_per_sqrt_s", "force_model = \"random_walk\" beside it, or 0 (found from the data)");
+  options.force_acceleration_N_per_s_sqrt_s =
+      table.number("force_acceleration_N_per_s_sqrt_s", {0.0, 1000.0, "N/(s sqrt(s)), 0 (found from the data) to 1000"},
+                   options.force_acceleration_N_per_s_sqrt_s);
+  if (options.force_acceleration_N_per_s_sqrt_s > 0.0 && options.force_model != ForceMotion::kConstantVelocity &&
+      options.force_model != ForceMotion::kRhythm)
+    table.refuse("force_acceleration_N_per_s_sqrt_s",
+                 "force_model = \"constant_velocity\" or \"rhythm\" beside it, or 0 (found from the data)");
+  options.force_memory_s = table.number("force_memory_s", {1e-3, 1e4, "seconds, 0.001..10000"}, options.force_memory_s);
+  options.disturbance_rms_N =
+      table.number("disturbance_rms_N", {0.0, 1000.0, "a force in N, 0 (none) to 1000"}, options.disturbance_rms_N);
+  options.disturbance_memory_s =
+      table.number("disturbance_memory_s", {1e-3, 1e4, "seconds, 0.001..10000"}, options.disturbance_memory_s);
 }
 
 void read_estimator(const TomlTable& root, ObserverOptions& options, std::vector<std::string>& warnings) {
-  const auto table = root.table(
-      "estimator", {"method", "measurement", "state", "force_model", "force_rate_N_per_sqrt_s", "force_memory_s",
-                    "initial_force_sigma_N", "max_iterations", "adaptation_window", "outlier_probability"});
+  const auto table =
+      root.table("estimator", {"method", "measurement", "state", "force_model", "force_rate_N_per_sqrt_s",
+                               "force_acceleration_N_per_s_sqrt_s", "force_memory_s", "disturbance_rms_N",
+                               "disturbance_memory_s", "initial_force_sigma_N", "max_iterations", "adaptation_window",
+                               "outlier_probability", "jump_probability", "noise_tail_degrees"});
   if (!table) return;
-  read_choices(*table, options, warnings);
+  read_choices(*table, options);
   read_state(*table, options, warnings);
-  options.force_memory_s =
-      table->number("force_memory_s", {1e-3, 1e4, "seconds, 0.001..10000"}, options.force_memory_s);
-  options.force_rate_N_per_sqrt_s =
-      table->number("force_rate_N_per_sqrt_s", {1e-12, 100.0, "N/sqrt(s), more than 0, at most 100"},
-                    options.force_rate_N_per_sqrt_s);
+  read_motion(*table, options);
   options.initial_force_sigma_N =
       table->number("initial_force_sigma_N", {1e-12, 1000.0, "a force in N, more than 0, at most 1000"},
                     options.initial_force_sigma_N);
@@ -110,6 +124,12 @@ void read_estimator(const TomlTable& root, ObserverOptions& options, std::vector
       table->integer("adaptation_window", {5.0, 1000.0, "a number of frames, 5..1000"}, options.adaptation_window);
   options.outlier_probability = table->number(
       "outlier_probability", {1e-300, 0.1, "a probability, more than 0, at most 0.1"}, options.outlier_probability);
+  options.jump_probability = table->number("jump_probability", {1e-300, 0.1, "a probability, more than 0, at most 0.1"},
+                                           options.jump_probability);
+  options.noise_tail_degrees =
+      table->number("noise_tail_degrees", {0.0, 100.0, "0 (Gaussian noise) or 1..100"}, options.noise_tail_degrees);
+  if (options.noise_tail_degrees > 0.0 && options.noise_tail_degrees < 1.0)
+    table->refuse("noise_tail_degrees", "0 (Gaussian noise) or 1..100");
 }
 
 void read_reference(const TomlTable& root, ReferenceInterval& reference) {

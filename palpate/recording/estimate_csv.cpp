@@ -9,10 +9,16 @@
 
 namespace palpate {
 
-EstimateCsvWriter::EstimateCsvWriter(const std::filesystem::path& path) : file_(path) {
+EstimateCsvWriter::EstimateCsvWriter(const std::filesystem::path& path, bool with_forecast)
+    : file_(path), with_forecast_(with_forecast) {
   file_.write(
       "time_s,fx_tip_N,fy_tip_N,fz_tip_N,sigma_x_N,sigma_y_N,sigma_z_N,cov_xy_N2,cov_xz_N2,cov_yz_N2,"
-      "fx_base_N,fy_base_N,fz_base_N,status,sensors_used,nis,dof,evaluations\n");
+      "fx_base_N,fy_base_N,fz_base_N,status,sensors_used,nis,dof,evaluations");
+  if (with_forecast_)
+    file_.write(
+        ",forecast_fx_tip_N,forecast_fy_tip_N,forecast_fz_tip_N,forecast_sigma_x_N,forecast_sigma_y_N,"
+        "forecast_sigma_z_N");
+  file_.write("\n");
 }
 
 void EstimateCsvWriter::write(const Estimate& e) {
@@ -20,9 +26,15 @@ void EstimateCsvWriter::write(const Estimate& e) {
   const Matrix3d& P = e.covariance_tip_N2;
   const Vector3d sigma = P.diagonal().cwiseSqrt();
   file_.write(fmt::format(
-      "{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{},{},{:.6g},{},{}\n",
+      "{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{},{},{:.6g},{},{}",
       e.time_s, f.x(), f.y(), f.z(), sigma.x(), sigma.y(), sigma.z(), P(0, 1), P(0, 2), P(1, 2), b.x(), b.y(), b.z(),
       describe(e.status), e.sensors_used, e.nis, e.dof, e.evaluations));
+  if (with_forecast_) {
+    const Vector3d &ahead = e.forecast.mean_N, ahead_sigma = e.forecast.covariance_N2.diagonal().cwiseSqrt();
+    file_.write(fmt::format(",{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}", ahead.x(), ahead.y(), ahead.z(),
+                            ahead_sigma.x(), ahead_sigma.y(), ahead_sigma.z()));
+  }
+  file_.write("\n");
 }
 
 namespace {

@@ -11,15 +11,16 @@ namespace palpate {
 
 /// Writes one row for every frame. The header is part of the format contract:
 /// time_s, force (tip) [N], sigma [N], covariances [N^2], force (base) [N], status, sensors_used, nis, dof,
-/// evaluations.
+/// evaluations; where asked for, the forecast force (tip) [N] and its sigma [N].
 class EstimateCsvWriter {
  public:
-  explicit EstimateCsvWriter(const std::filesystem::path& path);
+  explicit EstimateCsvWriter(const std::filesystem::path& path, bool with_forecast = false);
   void write(const Estimate& estimate);
   void commit() { file_.commit(); }
 
  private:
   OutputFile file_;
+  bool with_forecast_;
 };
 
 /// What is needed of an estimate to judge it.

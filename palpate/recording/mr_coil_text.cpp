@@ -52,6 +52,7 @@ std::string only_recording(const std::filesystem::path& folder) {
         folder.string()));
   }
   std::vector<std::string> names;
+  names.reserve(recordings.size());
   for (const auto& [name, coils] : recordings) names.push_back(name);
   throw InputError(fmt::format("{}: holds the recordings {}: expected one; name a file of the one you mean, such as {}",
                                folder.string(), fmt::join(names, ", "),

@@ -88,15 +88,18 @@ void bind_to_catheter(TrackerRecording& recording, const Catheter& catheter,
   }
   for (TrackerFrame& frame : recording.frames) {
     std::vector<SensorReading> ordered;
+    ordered.reserve(from.size());
     for (const std::size_t i : from) ordered.push_back(frame.readings[i]);
     frame.readings = std::move(ordered);
   }
   recording.sensor_lines.resize(recording.sensor_names.size(), 0);
   std::vector<std::size_t> lines;
+  lines.reserve(from.size());
   for (const std::size_t i : from) lines.push_back(recording.sensor_lines[i]);
   recording.sensor_lines = std::move(lines);
   if (!recording.sensor_sources.empty()) {
     std::vector<std::string> sources;
+    sources.reserve(from.size());
     for (const std::size_t i : from) sources.push_back(recording.sensor_sources[i]);
     recording.sensor_sources = std::move(sources);
   }

@@ -21,22 +21,24 @@ class ClockFaults : public test::App {
     return summary();
   }
 
-  /// Frames other than `refused` are as if the tracker had lost sight in those.
-  void expect_as_if_missing(const std::vector<int>& refused) const {
+  /// Frames other than `refused` are as if those were not in the recording, to the last digit.
+  void expect_as_if_left_out(const std::vector<int>& refused) const {
     const auto rows = table();
-    RecordingText missing = test::beating_recording().tracker;
-    for (const int frame : refused)
-      for (auto* row : missing.frame(frame)) RecordingText::set_missing(*row);
-    write("r.csv", missing.text());
+    const auto is_refused = [&](int frame) { return std::count(refused.begin(), refused.end(), frame) > 0; };
+    RecordingText without = test::beating_recording().tracker;
+    std::erase_if(without.rows, [&](const auto& row) { return is_refused(std::stoi(row[RecordingText::kFrame])); });
+    write("r.csv", without.text());
     EXPECT_EQ(estimate().exit_code, 0);
     const auto expected = table();
-    ASSERT_EQ(rows.size(), expected.size());
+    ASSERT_EQ(rows.size(), expected.size() + refused.size());
+    std::size_t next = 0;
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      const bool was_refused = std::count(refused.begin(), refused.end(), static_cast<int>(i)) > 0;
+      const bool was_refused = is_refused(static_cast<int>(i));
       EXPECT_EQ(rows[i].at("status"), was_refused ? "REJECTED" : "UPDATED") << i;
       if (was_refused) continue;
       for (const char* column : {"fx_tip_N", "fy_tip_N", "fz_tip_N", "sigma_x_N", "sigma_y_N", "sigma_z_N"})
-        EXPECT_NEAR(test::number(rows[i], column), test::number(expected[i], column), 1e-7) << i << column;
+        EXPECT_EQ(rows[i].at(column), expected[next].at(column)) << i << column;
+      ++next;
     }
   }
 };
@@ -50,7 +52,7 @@ TEST_F(ClockFaults, TimeThatStandsStill) {
   EXPECT_EQ(estimate_refusal({"--strict"}),
             "r.csv: frame 51 at 1.25 s: time stands still: expected a later time than the frame before (--strict)");
   estimate();
-  expect_as_if_missing({51, 52});
+  expect_as_if_left_out({51, 52});
 }
 
 TEST_F(ClockFaults, TimeThatStepsBackOnce) {
@@ -60,7 +62,7 @@ TEST_F(ClockFaults, TimeThatStepsBackOnce) {
   EXPECT_EQ(estimate_refusal({"--strict"}),
             "r.csv: frame 50 at 0.3 s: time steps back: expected a later time than the frame before (--strict)");
   estimate();
-  expect_as_if_missing({50});
+  expect_as_if_left_out({50});
 }
 
 // Five frames that run on from the new time prove that the clock was set; the sixth is used again.
@@ -83,7 +85,7 @@ TEST_F(ClockFaults, TimeThatIsNoNumber) {
             "r.csv: frame 70 at nan s: time is not finite: expected seconds (--strict)");
   estimate();
   EXPECT_EQ(table().at(70).at("time_s"), "nan");
-  expect_as_if_missing({70});
+  expect_as_if_left_out({70});
 }
 
 TEST_F(ClockFaults, AJumpOfAnHourAheadIsAGap) {
@@ -100,7 +102,9 @@ TEST_F(ClockFaults, FramesThatLackEverySensorHoldTheForceAndItsSigmaGrows) {
   EXPECT_EQ(said["readings_not_used"]["missing"], 40);
   const auto rows = table();
   for (std::size_t i = 60; i < 80; ++i) {
-    EXPECT_EQ(rows[i].at("fz_tip_N"), rows[59].at("fz_tip_N"));
+    EXPECT_LE(std::abs(test::number(rows[i], "fz_tip_N") - test::number(rows[59], "fz_tip_N")),
+              3.0 * test::number(rows[i], "sigma_z_N"))
+        << "the prediction goes on";
     EXPECT_GT(test::number(rows[i], "sigma_z_N"), test::number(rows[i - 1], "sigma_z_N"));
   }
   EXPECT_EQ(rows[80].at("status"), "UPDATED");

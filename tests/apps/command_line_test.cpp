@@ -49,13 +49,16 @@ TEST_F(CommandLine, UnknownWordsAreNamedWithTheNearest) {
 }
 
 TEST_F(CommandLine, WrongValues) {
-  EXPECT_EQ(estimate_refusal({"--method", "iefk"}), "--method iefk: expected one of ekf, iekf, iaekf");
+  EXPECT_EQ(estimate_refusal({"--method", "iefk"}), "--method iefk: expected one of ekf, iekf, iaekf, ukf");
   EXPECT_EQ(estimate_refusal({"--measurement", "pose"}),
             "--measurement pose: expected one of poses, tip_and_curvature");
   EXPECT_EQ(estimate_refusal({"--state", "force,stiffness"}),
             "--state force,stiffness: expected force; stiffness and precurvature are not estimated by this version");
-  EXPECT_EQ(estimate_refusal({"--smooth"}),
-            "--smooth: not available in this version; leave it out for the online estimate");
+  EXPECT_EQ(estimate_refusal({"--force-model", "walk"}),
+            "--force-model walk: expected one of random_walk, constant_velocity, gauss_markov, rhythm");
+  EXPECT_EQ(estimate_refusal({"--forecast", "-1"}), "--forecast -1: expected seconds, 0 to 60");
+  EXPECT_EQ(estimate_refusal({"--forecast", "0.1", "--smooth"}),
+            "--forecast 0.1: expected without --smooth, which knows what comes");
   for (const char* text : {"2", "0-2", "a:b", "0:", ":2", "0:2s", "0:inf", "0:1:2"})
     EXPECT_EQ(estimate_refusal({"--reference", text}),
               std::string("--reference ") + text + ": expected FROM:TO in seconds, as 0:2");

@@ -40,7 +40,8 @@ TEST_F(Estimate, EveryFrameIsARowWithAConsistentSigma) {
   const auto run = estimate_demo();
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_EQ(run.err, "");
-  EXPECT_TRUE(run.out.starts_with("1200 frames, 0.000 s to 29.975 s, iekf on poses\n")) << run.out;
+  EXPECT_TRUE(run.out.starts_with("1200 frames, 0.000 s to 29.975 s, iekf on poses, force model constant_velocity\n"))
+      << run.out;
   EXPECT_TRUE(run.out.ends_with("written: e.csv\n")) << run.out;
   EXPECT_EQ(run.out.find_first_of("\r\x1b"), std::string::npos);  // a pipe gets no progress and no colours
   const std::string text = contents(path("e.csv"));
@@ -98,7 +99,7 @@ TEST_F(Estimate, IsAsGoodAsItSays) {
 }
 
 TEST_F(Estimate, EveryMethodAndMeasurementWorks) {
-  for (const char* method : {"ekf", "iekf", "iaekf"}) {
+  for (const char* method : {"ekf", "iekf", "iaekf", "ukf"}) {
     const auto run = estimate_demo({"--method", method, "--json"});
     ASSERT_EQ(run.exit_code, 0) << run.err;
     EXPECT_EQ(nlohmann::json::parse(run.out)["method"], method);

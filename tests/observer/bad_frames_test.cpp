@@ -80,6 +80,8 @@ TEST_P(BadFrames, AnOutlierOf25MillimetresLeavesWhatAMissingReadingLeaves) {
 }
 
 TEST_P(BadFrames, WithoutUsableSensorsTheMeanIsHeldAndTheCovarianceGrowsByTheRandomWalk) {
+  options_.force_model = ForceMotion::kRandomWalk;
+  options_.force_rate_N_per_sqrt_s = 0.2;
   std::vector<TrackerFrame> frames = recording_.frames;
   for (SensorReading& r : frames[kChanged].readings) r = SensorReading{};
   frames[kChanged].time_s = frames[kChanged - 1].time_s + 0.125;
@@ -89,11 +91,11 @@ TEST_P(BadFrames, WithoutUsableSensorsTheMeanIsHeldAndTheCovarianceGrowsByTheRan
   EXPECT_EQ(held.status, EstimateStatus::kHeld);
   EXPECT_EQ(held.used, 0U);
   EXPECT_EQ(held.dof, 0);
-  EXPECT_EQ(held.force_tip_N, before.force_tip_N);
-  EXPECT_EQ(held.force_base_N, before.force_base_N);
+  EXPECT_LT((held.force_tip_N - before.force_tip_N).norm(), 1e-12);
+  EXPECT_LT((held.force_base_N - before.force_base_N).norm(), 1e-12);
   const double q = options_.force_rate_N_per_sqrt_s, dt_s = frames[kChanged].time_s - frames[kChanged - 1].time_s;
   const Matrix3d grown = before.covariance_tip_N2 + Matrix3d(Vector3d::Constant(q * q * dt_s).asDiagonal());
-  EXPECT_EQ(held.covariance_tip_N2, grown);
+  EXPECT_LT((held.covariance_tip_N2 - grown).norm(), 1e-12);
 }
 
 TEST_P(BadFrames, ImpossibleTimesAreRejectedAndTheStateStaysBitForBit) {
@@ -147,7 +149,7 @@ TEST_P(BadFrames, FaultyRecordingIsFollowed) {
   EXPECT_GE(test::share_within(4.0, estimates, recording), 0.99);
 }
 
-INSTANTIATE_TEST_SUITE_P(Method, BadFrames, ::testing::Values(Method::kEkf, Method::kIekf, Method::kIaekf),
+INSTANTIATE_TEST_SUITE_P(Method, BadFrames, ::testing::ValuesIn(test::kEveryMethod),
                          [](const auto& test_case) { return std::string(test::name_of(test_case.param)); });
 
 }  // namespace

@@ -23,7 +23,7 @@ TEST_P(EveryFilter, NoLoadGivesNoForceWithinFourSigma) {
        {test::two_sensors(), test::mixed_sensors(), test::with_own_weight(test::two_sensors())}) {
     const auto recording = simulate_tracker(catheter, test::constant_force(Vector3d::Zero()), {.duration_s = 5.0});
     for (const Estimate& e : run(catheter, recording.frames)) {
-      EXPECT_EQ(e.status, EstimateStatus::kUpdated);
+      EXPECT_LE(e.status, EstimateStatus::kReseeded) << "a single step from the prior may need help";
       const Eigen::Array3d sigma = e.covariance_tip_N2.diagonal().array().sqrt();
       EXPECT_TRUE((e.force_tip_N.array().abs() <= 4.0 * sigma).all())
           << e.time_s << " s: " << e.force_tip_N.transpose();
@@ -96,6 +96,7 @@ TEST_P(EveryFilter, SigmaShrinksWithEverySensorAndEveryFrame) {
   const Vector3d one = with_one.update(tip_only).covariance_tip_N2.diagonal();
   EXPECT_TRUE((two.array() < one.array()).all());
   EXPECT_TRUE((one.array() < 0.09).all());
+  options_.force_model = ForceMotion::kRandomWalk;
   options_.force_rate_N_per_sqrt_s = 1e-6;
   ForceObserver observer(catheter, options_);
   Vector3d last = Vector3d::Constant(0.09);
@@ -115,7 +116,7 @@ TEST_P(EveryFilter, TwoRunsAgreeBitForBit) {
   for (std::size_t i = 0; i < first.size(); ++i) EXPECT_TRUE(test::same_state(first[i], second[i]));
 }
 
-INSTANTIATE_TEST_SUITE_P(Method, EveryFilter, ::testing::Values(Method::kEkf, Method::kIekf, Method::kIaekf),
+INSTANTIATE_TEST_SUITE_P(Method, EveryFilter, ::testing::ValuesIn(test::kEveryMethod),
                          [](const auto& test_case) { return std::string(test::name_of(test_case.param)); });
 
 }  // namespace

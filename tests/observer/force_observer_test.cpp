@@ -23,7 +23,7 @@ TEST(ForceObserver, JumpIsFollowedOnTheNextFrame) {
       for (int i = 0; i < 10; ++i, time_s += 0.025)
         observer.update(test::with_noise(catheter, test::exact_frame(catheter, before, time_s), draws));
       const Estimate e = observer.update(test::with_noise(catheter, test::exact_frame(catheter, after, time_s), draws));
-      EXPECT_EQ(e.status, EstimateStatus::kUpdated) << "trial " << trial << ", to " << after.transpose();
+      EXPECT_LE(e.status, EstimateStatus::kReseeded) << "trial " << trial << ", to " << after.transpose();
       used_both += e.sensors_used == 2 ? 1 : 0;
       const Eigen::Array3d sigma = e.covariance_tip_N2.diagonal().array().sqrt();
       EXPECT_TRUE(((e.force_tip_N - after).array().abs() <= 4.5 * sigma).all()) << "trial " << trial;
@@ -52,7 +52,7 @@ TEST(ForceObserver, RawPosesKnowMoreThanThePapersVector) {
 TEST(ForceObserver, GaussMarkovForceForgetsToItsStatedSpread) {
   const Catheter catheter = test::two_sensors();
   ForceObserver observer(
-      catheter, {.force_model = ForceModel::kGaussMarkov, .force_memory_s = 0.2, .initial_force_sigma_N = 0.1});
+      catheter, {.force_model = ForceMotion::kGaussMarkov, .force_memory_s = 0.2, .initial_force_sigma_N = 0.1});
   TrackerFrame frame = test::exact_frame(catheter, Vector3d(0.0, 0.0, -0.1), 0.0);
   const Vector3d seen = observer.update(frame).force_tip_N;
   for (SensorReading& reading : frame.readings) reading.status = SensorReading::Status::kMissing;
@@ -65,16 +65,20 @@ TEST(ForceObserver, GaussMarkovForceForgetsToItsStatedSpread) {
   EXPECT_LT((forgotten.covariance_tip_N2 - 0.01 * Matrix3d::Identity()).norm(), 1e-9);
 }
 
-/// After a gap everything may have happened, but no more than before the first frame.
+/// After a gap everything may have happened, but no more than right after a jump: sqrt(2) times the spread before the
+/// first frame.
 TEST(ForceObserver, ALongGapForgetsEverythingAndNoMore) {
   const Catheter catheter = test::two_sensors();
-  ForceObserver observer(catheter, {.initial_force_sigma_N = 0.3});
-  TrackerFrame frame = test::exact_frame(catheter, Vector3d::Zero(), 0.0);
-  const Matrix3d known = observer.update(frame).covariance_tip_N2;
-  for (SensorReading& reading : frame.readings) reading.status = SensorReading::Status::kMissing;
-  frame.time_s = 3600.0;
-  const Matrix3d grown = observer.update(frame).covariance_tip_N2 - known;
-  EXPECT_LT((grown - 0.09 * Matrix3d::Identity()).norm(), 1e-12);
+  for (const ForceMotion motion : {ForceMotion::kRandomWalk, ForceMotion::kConstantVelocity, ForceMotion::kRhythm}) {
+    ForceObserver observer(catheter, {.force_model = motion, .initial_force_sigma_N = 0.3});
+    TrackerFrame frame = test::exact_frame(catheter, {0.0, 0.05, -0.1}, 0.0);
+    observer.update(frame);
+    for (SensorReading& reading : frame.readings) reading.status = SensorReading::Status::kMissing;
+    frame.time_s = 3600.0;
+    const Estimate e = observer.update(frame);
+    EXPECT_LT((e.covariance_tip_N2 - 0.18 * Matrix3d::Identity()).norm(), 1e-3);
+    EXPECT_LT(e.force_tip_N.norm(), 1e-3);
+  }
 }
 
 /// One linear step may end anywhere; what does not explain the frame must not become the state.
@@ -93,12 +97,6 @@ TEST(ForceObserver, EkfKeepsTheIteratedFitWhereItsStepFails) {
     EXPECT_TRUE(((e.force_tip_N - force).array().abs() <= 6.0 * sigma).all()) << "trial " << trial;
   }
   EXPECT_GT(reseeded, 0) << "else nothing was tested";
-}
-
-TEST(ForceObserver, RefusesWhatItCannotDoYet) {
-  const Catheter catheter = test::two_sensors();
-  EXPECT_THROW(ForceObserver(catheter, {.method = Method::kUkf}), InputError);
-  EXPECT_THROW(ForceObserver(catheter, {.force_model = ForceModel::kRhythm}), InputError);
 }
 
 /// A point gives three numbers a frame for three unknowns; what it cannot see keeps its wide sigma.
@@ -167,7 +165,8 @@ TEST(ForceObserver, IsConsistentOnTheForceItBelievesIn) {
     return walk[static_cast<std::size_t>(std::lround(40.0 * time_s))];
   };
   const auto recording = simulate_tracker(catheter, schedule, {.duration_s = 10.0});
-  const auto estimates = test::run(catheter, {.force_rate_N_per_sqrt_s = 0.05}, recording.frames);
+  const auto estimates =
+      test::run(catheter, {.force_model = ForceMotion::kRandomWalk, .force_rate_N_per_sqrt_s = 0.05}, recording.frames);
   double nis = 0.0, nees = 0.0;
   for (std::size_t i = 0; i < estimates.size(); ++i) {
     nis += estimates[i].nis / estimates[i].dof / 400.0;

@@ -47,8 +47,11 @@ inline double share_within(double sigmas, const std::vector<Estimate>& estimates
   return static_cast<double>(inside) / static_cast<double>(estimates.size() - kFirst);
 }
 
+inline constexpr std::array kEveryMethod{Method::kEkf, Method::kIekf, Method::kIaekf, Method::kUkf};
+
 inline const char* name_of(Method method) {
-  return method == Method::kEkf ? "ekf" : method == Method::kIekf ? "iekf" : "iaekf";
+  constexpr std::array names{"ekf", "iekf", "iaekf", "ukf"};
+  return names[static_cast<std::size_t>(method)];
 }
 
 }  // namespace palpate::test

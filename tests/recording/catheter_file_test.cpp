@@ -245,8 +245,6 @@ force_model = "rhythm"
       ElementsAre(HasSubstr(":18: tendon.moment_sigma_percent = 2" + without),
                   HasSubstr(":14: sensor.mount_sigma_mm = 0.1" + without),
                   HasSubstr(":15: sensor.bias_mm = 0.48" + without), HasSubstr(":16: sensor.bias_deg = 0.3" + without),
-                  HasSubstr(":20: estimator.method = \"ukf\": read but not yet acted on: iekf is used"),
-                  HasSubstr(":22: estimator.force_model = \"rhythm\": read but not yet acted on: random_walk is used"),
                   HasSubstr(":21: estimator.state = [\"force\", \"stiffness\"]: read but not yet acted on: only the "
                             "force is estimated")));
 }

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <palpate/estimation/unscented.hpp>
+#include <palpate/observer/frame_explainer.hpp>
+
+namespace palpate {
+
+namespace {
+
+constexpr int kSearch = 200, kShortSearch = 60;  ///< evaluations: all sensors; with one sensor left out
+constexpr int kInsists = 3;                      ///< surprising frames in a row
+
+UpdateOptions local_options(const ObserverOptions& options) {
+  return {.max_iterations = options.max_iterations, .tail_degrees = options.noise_tail_degrees};
+}
+
+SearchOptions search_options(const ObserverOptions& options, int max_evaluations) {
+  return {.local = local_options(options), .max_evaluations = max_evaluations};
+}
+
+ObserverOptions validated(const ObserverOptions& options) {
+  options.validate();
+  return options;
+}
+
+bool is_single_step(Method method) { return method == Method::kEkf || method == Method::kUkf; }
+
+EstimateStatus status_of(UpdateStatus status) {
+  if (status == UpdateStatus::kReseeded) return EstimateStatus::kReseeded;
+  if (status == UpdateStatus::kAmbiguous) return EstimateStatus::kAmbiguous;
+  return EstimateStatus::kUpdated;
+}
+
+}  // namespace
+
+FrameExplainer::FrameExplainer(const Catheter& catheter, const ObserverOptions& options)
+    : options_(validated(options)),
+      local_(local_options(options)),
+      outlier_gate_(options.outlier_probability),
+      jump_gate_(options.jump_probability),
+      search_(search_options(options, kSearch)),
+      short_search_(search_options(options, kShortSearch)),
+      shape_(catheter, options.measurement) {
+  if (options_.method == Method::kIaekf) adaptation_.emplace(ShapeModel::kChannels, options_.adaptation_window);
+}
+
+int FrameExplainer::most_evaluations(const ObserverOptions& options, int sensors) {
+  const int own_update = 1 + options.max_iterations + (is_single_step(options.method) ? 7 : 0);
+  // With one evaluation left, a search still begins a seed and then, from that seed, an update.
+  const int late = ForceSeeds::kMostEvaluations + ForceSeeds::kDirections + options.max_iterations;
+  return own_update + kSearch + late + sensors * (own_update + kShortSearch + late) + 2;
+}
+
+EstimateStatus FrameExplainer::explain(Measurement& measurement, const Gaussian& prediction) {
+  measurement_ = &measurement;
+  used_ = 0;
+  jumped_ = searched_ = false;
+  unsigned present = 0;
+  for (int k = 0; k < measurement.count; ++k) present |= 1U << measurement.poses[k].sensor;
+  shape_.select(measurement, present);
+  if (shape_.rows() == 0) return EstimateStatus::kHeld;
+  if (fits_prediction(present, prediction)) return take(prediction, present);
+
+  anywhere_ = prediction;
+  anywhere_.covariance.diagonal().array() += options_.initial_force_sigma_N * options_.initial_force_sigma_N;
+  if (shape_.rows() <= prediction.mean.size()) return explain_lone_point(present, prediction);
+  jumped_ = true;
+  if (fits_any_force(present, search_)) return take(anywhere_, present);
+  return explain_without_one_sensor(measurement, present, prediction);
+}
+
+/// The usual case: the filter's own update, and nothing about it is surprising. Where a single step (EKF, UKF) does not
+/// get there, an iterated update may.
+bool FrameExplainer::fits_prediction(unsigned sensors, const Gaussian& prediction) {
+  shape_.select(*measurement_, sensors);
+  searched_ = false;
+  if (shape_.rows() == 0) return false;
+  AdaptedModel adapted = model();
+  if (options_.method == Method::kEkf) extended_update(adapted, prediction, update_);
+  if (options_.method == Method::kUkf) unscented_update(adapted, prediction, update_);
+  if (is_single_step(options_.method)) {
+    if (converged(update_.status) && agrees_with_prediction() && agrees_with_itself()) return true;
+    searched_ = true;
+  }
+  iterated_update(adapted, prediction, prediction.mean, local_, update_);
+  return converged(update_.status) && agrees_with_prediction();
+}
+
+bool FrameExplainer::fits_any_force(unsigned sensors, GlobalUpdate& search) {
+  shape_.select(*measurement_, sensors);
+  searched_ = true;
+  if (shape_.rows() == 0) return false;
+  AdaptedModel adapted = model();
+  search.run(adapted, anywhere_, &anywhere_.mean, update_);
+  return converged(update_.status) && agrees_with_itself();
+}
+
+/// No more numbers than unknowns: any force would explain them, so a jump cannot be told from an outlier. The search
+/// stays within the prediction, for its own update may have ended in a wrong minimum; only a point that insists, frame
+/// after frame, is believed against it.
+EstimateStatus FrameExplainer::explain_lone_point(unsigned sensors, const Gaussian& prediction) {
+  jumped_ = ++surprises_in_a_row_ >= kInsists;
+  searched_ = true;
+  const Gaussian& prior = jumped_ ? anywhere_ : prediction;
+  AdaptedModel adapted = model();
+  search_.run(adapted, prior, &prior.mean, update_);
+  if (!converged(update_.status)) return EstimateStatus::kNotConverged;
+  return agrees_with_prediction() ? take(prior, sensors) : EstimateStatus::kRejected;
+}
+
+/// Without one sensor the prediction is tried first, then any force; explanations that keep the prediction come before
+/// those that do not, the smaller misfit before the larger.
+EstimateStatus FrameExplainer::explain_without_one_sensor(Measurement& measurement, unsigned present,
+                                                          const Gaussian& prediction) {
+  bool any_converged = converged(update_.status);
+  double least_misfit = std::numeric_limits<double>::infinity();
+  unsigned odd_one = 0;
+  bool best_searched = false;
+  jumped_ = true;
+  for (unsigned left = present; left != 0; left &= left - 1) {
+    const unsigned sensor = left & -left, rest = present & ~sensor;
+    const bool calm = fits_prediction(rest, prediction);
+    const bool passes = calm || (jumped_ && fits_any_force(rest, short_search_));
+    any_converged |= converged(update_.status);
+    const double misfit = update_.chi_square / update_.rows;
+    if (!passes || (calm != jumped_ && misfit >= least_misfit)) continue;
+    spare_ = update_;
+    best_searched = searched_;
+    least_misfit = misfit;
+    odd_one = sensor;
+    jumped_ = !calm;  // where one passes calmly, so does the one that stands
+  }
+  if (odd_one == 0) return any_converged ? EstimateStatus::kRejected : EstimateStatus::kNotConverged;
+  measurement.rejections[static_cast<std::size_t>(std::countr_zero(odd_one))] = Rejection::kOutlier;
+  update_ = spare_;
+  searched_ = best_searched;
+  shape_.select(measurement, present & ~odd_one);
+  const EstimateStatus status = take(jumped_ ? anywhere_ : prediction, present & ~odd_one);
+  R_base_tip_ = R_base_tip(update_.posterior.mean);  // the rod's latest shape is that of the last sensor left out
+  return status;
+}
+
+/// Neither the force moves farther than the prediction allows, nor do the sensors contradict each other. Where there is
+/// nothing to spare, only both together can be judged.
+bool FrameExplainer::agrees_with_prediction() const {
+  if (surplus() <= 0) return outlier_gate_.passes(update_.chi_square, update_.rows);
+  const int states = static_cast<int>(update_.posterior.mean.size());
+  const double misfit = update_.chi_square - update_.surprise;
+  return jump_gate_.passes(update_.surprise, states) && outlier_gate_.passes(misfit, surplus());
+}
+
+/// More equations than unknowns, and the post-fit residual no larger than the noise.
+bool FrameExplainer::agrees_with_itself() const {
+  return surplus() > 0 && outlier_gate_.passes(update_.residual_chi_square, surplus());
+}
+
+/// The latest update stands.
+EstimateStatus FrameExplainer::take(const Gaussian& prior, unsigned sensors) {
+  prior_ = prior;
+  surprises_in_a_row_ = 0;
+  AdaptedModel adapted = model();
+  if (options_.report_convergence_index) {
+    ResidualMatrix R;
+    adapted.noise(R);
+    convergence_ = convergence_index(update_.at.residual, update_.at.jacobian, prior.covariance, R);
+  }
+  if (adaptation_) {
+    ResidualMatrix nominal;
+    shape_.noise(nominal);
+    adaptation_->observe(shape_.channels(), nominal, update_.at, update_.posterior.covariance);
+  }
+  used_ = sensors & shape_.used();
+  // After a search the rod's latest shape may be that of another force.
+  R_base_tip_ = searched_ ? R_base_tip(update_.posterior.mean) : shape_.T_base_tip().R;
+  const bool own_step = !searched_ || !is_single_step(options_.method);
+  const EstimateStatus status = status_of(update_.status);
+  return own_step || status != EstimateStatus::kUpdated ? status : EstimateStatus::kReseeded;
+}
+
+ForceLikelihood FrameExplainer::likelihood() const {
+  const auto force_of = [](const Gaussian& g) -> ForceGaussian {
+    return {g.mean.head<3>(), g.covariance.topLeftCorner<3, 3>()};
+  };
+  return likelihood_between(force_of(prior_), force_of(update_.posterior));
+}
+
+Matrix3d FrameExplainer::R_base_tip(const StateVector& force_tip_N) {
+  Linearization unused;
+  shape_.linearize(force_tip_N, unused);
+  return shape_.T_base_tip().R;
+}
+
+void FrameExplainer::AdaptedModel::noise(ResidualMatrix& R) const {
+  shape.noise(R);
+  if (adaptation != nullptr) adaptation->apply(shape.channels(), R);
+}
+
+}  // namespace palpate

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <palpate/estimation/adaptation.hpp>
+#include <palpate/estimation/consistency.hpp>
+#include <palpate/estimation/force_gaussian.hpp>
+#include <palpate/estimation/global_update.hpp>
+#include <palpate/observer/estimate.hpp>
+#include <palpate/observer/options.hpp>
+#include <palpate/sensing/shape_model.hpp>
+
+namespace palpate {
+
+/// Finds the force behind one frame, and the sensors that speak the truth. A jump of the force is not an outlier: a
+/// measurement is judged by whether any force explains it, not by its distance from the prediction.
+///
+///   1. the filter's own update from the prediction, all sensors
+///   2. does not fit: any force whatever may explain them; the search is global (GlobalUpdate)
+///   3. none does: the same without each sensor in turn; the best explanation that passes stands, the odd one is
+///   refused
+///
+/// Neither allocates nor throws. Bounded work: most_evaluations().
+class FrameExplainer {
+ public:
+  FrameExplainer(const Catheter& catheter, const ObserverOptions& options);
+
+  void set_tendon_moment(const Eigen::Vector2d& moment_Nm) { shape_.set_tendon_moment(moment_Nm); }
+
+  /// `prediction`: of the force that acts on the shaft. A refused sensor is marked in `measurement`. Where the status
+  /// is kUpdated, kReseeded or kAmbiguous, the results below are of the explanation that stands.
+  EstimateStatus explain(Measurement& measurement, const Gaussian& prediction);
+
+  const Update& update() const { return update_; }
+  /// What the frame says about the force, whatever was predicted.
+  ForceLikelihood likelihood() const;
+  unsigned used() const { return used_; }
+  const ConvergenceIndex& convergence() const { return convergence_; }
+  bool jumped() const { return jumped_; }  ///< the prediction was set aside
+
+  /// Orientation of the tip under a force; costs an evaluation.
+  Matrix3d R_base_tip(const StateVector& force_tip_N);
+  const Matrix3d& R_base_tip() const { return R_base_tip_; }
+  std::int64_t evaluations() const { return shape_.evaluations(); }
+
+  /// Model evaluations of one explain() at most, with `sensors` sensors in the frame; each is one integration, with own
+  /// weight up to 25.
+  static int most_evaluations(const ObserverOptions& options, int sensors);
+
+ private:
+  /// The shape model with its noise as adapted so far.
+  struct AdaptedModel {
+    ShapeModel& shape;
+    const NoiseAdaptation* adaptation;
+    int rows() const { return shape.rows(); }
+    int block_end(int row) const { return shape.block_end(row); }
+    void noise(ResidualMatrix& R) const;
+    bool linearize(const StateVector& x, Linearization& at) { return shape.linearize(x, at); }
+    bool seed(int k, StateVector& x, int& evaluations) { return shape.seed(k, x, evaluations); }
+  };
+
+  bool fits_prediction(unsigned sensors, const Gaussian& prediction);
+  bool fits_any_force(unsigned sensors, GlobalUpdate& search);
+  EstimateStatus explain_lone_point(unsigned sensors, const Gaussian& prediction);
+  EstimateStatus explain_without_one_sensor(Measurement& measurement, unsigned present, const Gaussian& prediction);
+  bool agrees_with_prediction() const;
+  bool agrees_with_itself() const;
+  EstimateStatus take(const Gaussian& prior, unsigned sensors);
+
+  AdaptedModel model() { return {shape_, adaptation_ ? &*adaptation_ : nullptr}; }
+  int surplus() const { return update_.rows - static_cast<int>(update_.posterior.mean.size()); }
+
+  ObserverOptions options_;
+  UpdateOptions local_;
+  ChiSquareGate outlier_gate_, jump_gate_;
+  GlobalUpdate search_, short_search_;
+  ShapeModel shape_;
+  std::optional<NoiseAdaptation> adaptation_;
+
+  const Measurement* measurement_ = nullptr;
+  Gaussian anywhere_;      ///< the prior of a surprise
+  Gaussian prior_;         ///< of the explanation that stands
+  Update update_, spare_;  ///< of the latest fit; of the best explanation so far
+  Matrix3d R_base_tip_ = Matrix3d::Identity();
+  unsigned used_ = 0;
+  bool searched_ = false;       ///< not by the filter's own step from the prediction
+  bool jumped_ = false;         ///< with the prediction set aside
+  int surprises_in_a_row_ = 0;  ///< of a lone point
+  ConvergenceIndex convergence_;
+};
+
+}  // namespace palpate

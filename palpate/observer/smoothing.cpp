@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <palpate/observer/smoothing.hpp>
+
+namespace palpate {
+
+void SmoothingPass::add(const ForceObserver& observer, const TrackerFrame& frame, const Estimate& estimate) {
+  estimates_.push_back(estimate);
+  tendons_.push_back(frame.tendon);
+  if (moves_the_clock(estimate.time)) smoother_.push(observer.motion().step(), observer.motion().state());
+}
+
+std::vector<Estimate> SmoothingPass::finish(ForceObserver& observer) {
+  const std::vector<ForceGaussian> smoothed = smoother_.smooth();
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < estimates_.size(); ++i) {
+    Estimate& e = estimates_[i];
+    if (!moves_the_clock(e.time)) continue;
+    const ForceGaussian& force = smoothed[next++];
+    e.force_tip_N = force.mean_N;
+    e.covariance_tip_N2 = force.covariance_N2;
+    e.R_base_tip = observer.R_base_tip(force.mean_N, tendons_[i]);
+    e.force_base_N = e.R_base_tip * e.force_tip_N;
+  }
+  return std::move(estimates_);
+}
+
+}  // namespace palpate
