@@ -112,11 +112,14 @@ WeightedSolve solve_under_weight(const RodSolver& solver, const TipLoad& load, c
 
 template WeightWorkspace<3> make_weight_workspace<3>(const RodSolver&);
 template WeightWorkspace<6> make_weight_workspace<6>(const RodSolver&);
+template WeightWorkspace<9> make_weight_workspace<9>(const RodSolver&);
 template WeightWorkspace<12> make_weight_workspace<12>(const RodSolver&);
 template WeightedSolve solve_under_weight<3>(const RodSolver&, const TipLoad&, const LoadDirections<3>&,
                                              WeightWorkspace<3>&, RodSolution<3>&);
 template WeightedSolve solve_under_weight<6>(const RodSolver&, const TipLoad&, const LoadDirections<6>&,
                                              WeightWorkspace<6>&, RodSolution<6>&);
+template WeightedSolve solve_under_weight<9>(const RodSolver&, const TipLoad&, const LoadDirections<9>&,
+                                             WeightWorkspace<9>&, RodSolution<9>&);
 template WeightedSolve solve_under_weight<12>(const RodSolver&, const TipLoad&, const LoadDirections<12>&,
                                               WeightWorkspace<12>&, RodSolution<12>&);
 
@@ -211,9 +214,10 @@ std::optional<double> locate_loss_of_stability(Branch& branch, Branch::Point sta
 /// A sixteenth of the load, and no more than 4 / pi^2 of a straight rod's Euler load: no critical load lies so close to
 /// another that a step could pass both unseen.
 double largest_step(const Rod& rod, const BaseLoad& load) {
+  const Vector3d factor = compliance_factor(load.tip);
   double EI = std::numeric_limits<double>::infinity();
   for (const Section& section : rod.sections)
-    if (!section.rigid) EI = std::min(EI, section.stiffness_Nm2.minCoeff());
+    if (!section.rigid) EI = std::min(EI, section.stiffness_Nm2.cwiseQuotient(factor).minCoeff());
   const double L = rod.length_m();
   const double force_N =
       load.force_base_N.norm() + load.tip.force_tip_N.norm() + L * rod.distributed_load_base_N_per_m.norm();

@@ -31,7 +31,7 @@ struct WeightedSolve {
 /// Fast path with the rod's own distributed load (Rod::distributed_load_base_N_per_m; `load`'s is ignored). Without one
 /// it is a single integration. `solution` carries the total derivatives, the turning of the weight included; here the
 /// distributed column of `directions` is a change of the load in base components.
-/// At most 25 integrations; not converged: `solution` is the last iterate. No allocation. N = 3, 6 and 12.
+/// At most 25 integrations; not converged: `solution` is the last iterate. No allocation. N = 3, 6, 9 and 12.
 template <int N>
 WeightedSolve solve_under_weight(const RodSolver& solver, const TipLoad& load, const LoadDirections<N>& directions,
                                  WeightWorkspace<N>& workspace, RodSolution<N>& solution);

@@ -9,7 +9,14 @@
 /// From the rod and its load to the field's parameters, along one piece, and from tip-frame states to outputs.
 namespace palpate::rod_field {
 
-/// Constants of the field in one section. A rigid section is one without compliance.
+/// u0 as `load` changes it; a rigid section keeps its own.
+inline Vector3d unloaded_curvature(const palpate::Section& section, const TipLoad& load) {
+  if (section.rigid) return section.precurvature_per_m;
+  return section.precurvature_per_m + load.precurvature_per_m;
+}
+
+/// Constants of the field in one section. A rigid section is one without compliance. All that depends on the stiffness
+/// does so through `compliance`, whose derivative is -compliance d_log_stiffness at any log_stiffness.
 template <int N>
 Parameters<double, N> section_parameters(const Rod& rod, const palpate::Section& section, const TipLoad& load,
                                          const LoadDirections<N>& d) {
@@ -18,9 +25,10 @@ Parameters<double, N> section_parameters(const Rod& rod, const palpate::Section&
   p.force = load.force_tip_N;
   p.moment = load.moment_tip_Nm + c.cross(load.force_tip_N);
   p.distributed = load.distributed_tip_N_per_m;
-  p.compliance = section.rigid ? Vector3d::Zero() : Vector3d(section.stiffness_Nm2.cwiseInverse());
+  p.compliance =
+      section.rigid ? Vector3d::Zero() : Vector3d(compliance_factor(load).cwiseQuotient(section.stiffness_Nm2));
   const Vector3d tendon_curvature = p.compliance.cwiseProduct(load.tendon_couple_Nm);
-  p.free_curvature = section.precurvature_per_m + tendon_curvature;
+  p.free_curvature = unloaded_curvature(section, load) + tendon_curvature;
   p.shear_compliance.setZero();
   if (rod.shears() && !section.rigid)
     p.shear_compliance << 1.0 / rod.shear_stiffness_N, 1.0 / rod.shear_stiffness_N, 1.0 / rod.axial_stiffness_N;

@@ -46,6 +46,12 @@ struct RelaxedRod::March {
   }
 };
 
+RelaxedRod::Bending RelaxedRod::Cell::under(const TipLoad& load, const Vector3d& factor) const {
+  if (rigid) return {Vector3d::Zero(), precurvature};
+  const Vector3d changed = compliance.cwiseProduct(factor);
+  return {changed, precurvature + load.precurvature_per_m + changed.cwiseProduct(load.tendon_couple_Nm)};
+}
+
 RelaxedRod::RelaxedRod(const Rod& rod, std::span<const double> arc_lengths_m)
     : contact_offset_m_(rod.contact_offset_m), length_m_(rod.length_m()), cell_m_(length_m_ / kCells) {
   Eigen::Matrix<double, kCells, kPowers> basis;
@@ -55,7 +61,8 @@ RelaxedRod::RelaxedRod(const Rod& rod, std::span<const double> arc_lengths_m)
                                       [s](const Section& candidate) { return s < candidate.to_m; });
     Cell& cell = cells_[i];
     cell.precurvature = section->precurvature_per_m;
-    if (!section->rigid) {
+    cell.rigid = section->rigid;
+    if (!cell.rigid) {
       cell.compliance = section->stiffness_Nm2.cwiseInverse();
       for (int b = 0; b < kPowers; ++b) cell.powers(b) = std::pow(x, b + 1) / length_m_;
     }
@@ -91,17 +98,18 @@ Vector3d RelaxedRod::moment_at(const TipLoad& load, const Vector3d& force, doubl
 void RelaxedRod::evaluate(const TipLoad& load, const Unknowns& z, Shape& shape) const {
   const Vector3d F = z.tail<3>();
   const double h = cell_m_, scale = length_m_ / std::sqrt(static_cast<double>(kCells));
-  const Vector3d tip_moment = load.moment_tip_Nm + contact_offset_m_.cross(F);
+  const Vector3d tip_moment = load.moment_tip_Nm + contact_offset_m_.cross(F), factor = compliance_factor(load);
   March at;
   for (int i = 0; i < kCells; ++i) {
     const Cell& cell = cells_[i];
-    Vector3d u = cell.free_curvature(load) + cell.compliance.cwiseProduct(tip_moment);
+    const Bending bending = cell.under(load, factor);
+    Vector3d u = bending.free_curvature + bending.compliance.cwiseProduct(tip_moment);
     Columns d_u = Columns::Zero();
     for (int b = 0; b < kPowers; ++b) {
       u += cell.powers(b) * z.segment<3>(3 * b);
       d_u.block<3, 3>(0, 3 * b).diagonal().setConstant(cell.powers(b));
     }
-    d_u.block<3, 3>(0, kForce) = cell.compliance.asDiagonal() * hat(contact_offset_m_);
+    d_u.block<3, 3>(0, kForce) = bending.compliance.asDiagonal() * hat(contact_offset_m_);
     record_cell(i, at, u, d_u, shape.curve);
 
     March middle = at;
@@ -112,8 +120,8 @@ void RelaxedRod::evaluate(const TipLoad& load, const Unknowns& z, Shape& shape) 
     Columns d_mu = hat(F + sigma * load.distributed_tip_N_per_m) * middle.d_r;
     d_mu.block<3, 3>(0, kForce) += hat(contact_offset_m_ - middle.r);
     const Columns d_local = hat(local) * middle.d_R + middle.R.transpose() * d_mu;
-    shape.defect.segment<3>(3 * i) = scale * (u - cell.free_curvature(load) - cell.compliance.cwiseProduct(local));
-    shape.defect_by_unknown.block<3, kUnknowns>(3 * i, 0) = scale * (d_u - cell.compliance.asDiagonal() * d_local);
+    shape.defect.segment<3>(3 * i) = scale * (u - bending.free_curvature - bending.compliance.cwiseProduct(local));
+    shape.defect_by_unknown.block<3, kUnknowns>(3 * i, 0) = scale * (d_u - bending.compliance.asDiagonal() * d_local);
 
     at.walk(middle, h);
     at.turn(u, d_u, h);
@@ -153,22 +161,22 @@ void RelaxedRod::to_base_frame(const March& clamp, RodSolution<kUnknowns>& curve
 /// Explicit midpoint rule: the curvature at a cell's distal end leads to its middle, the curvature there through it.
 RelaxedRod::Unknowns RelaxedRod::start(const TipLoad& load, Shape& shape) const {
   const Vector3d& F = load.force_tip_N;
-  const Vector3d tip_moment = load.moment_tip_Nm + contact_offset_m_.cross(F);
+  const Vector3d tip_moment = load.moment_tip_Nm + contact_offset_m_.cross(F), factor = compliance_factor(load);
   const Columns no_tangent = Columns::Zero();
-  const auto elastic_curvature = [&](const Cell& cell, double sigma, const March& at) -> Vector3d {
-    return cell.compliance.cwiseProduct(at.R.transpose() * moment_at(load, F, sigma, at));
+  const auto elastic_curvature = [&](const Bending& bending, double sigma, const March& at) -> Vector3d {
+    return bending.compliance.cwiseProduct(at.R.transpose() * moment_at(load, F, sigma, at));
   };
   Eigen::Matrix<double, kCells, 3> beyond_tip_curvature;
   March at;
   for (int i = 0; i < kCells; ++i) {
-    const Cell& cell = cells_[i];
+    const Bending bending = cells_[i].under(load, factor);
     const double h = cell_m_;
     March middle = at;
-    middle.turn(cell.free_curvature(load) + elastic_curvature(cell, i * h, at), no_tangent, 0.5 * h);
+    middle.turn(bending.free_curvature + elastic_curvature(bending, i * h, at), no_tangent, 0.5 * h);
     middle.walk(middle, 0.5 * h);
-    const Vector3d elastic = elastic_curvature(cell, (i + 0.5) * h, middle);
-    const Vector3d u = cell.free_curvature(load) + elastic;
-    beyond_tip_curvature.row(i) = elastic - cell.compliance.cwiseProduct(tip_moment);
+    const Vector3d elastic = elastic_curvature(bending, (i + 0.5) * h, middle);
+    const Vector3d u = bending.free_curvature + elastic;
+    beyond_tip_curvature.row(i) = elastic - bending.compliance.cwiseProduct(tip_moment);
     record_cell(i, at, u, no_tangent, shape.curve);
     at.walk(middle, h);
     at.turn(u, no_tangent, h);

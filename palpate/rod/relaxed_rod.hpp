@@ -11,6 +11,7 @@
 ///
 ///   u(x) = u0 + K^-1 (m_t + M + c x F) + sum_b c_b x^b / L,   b = 1..3,  x = sigma / L = (L - s) / L
 ///
+/// with u0 and K as the load changes them (TipLoad::log_stiffness, precurvature_per_m);
 /// exact at the tip, where the moment is known. The equilibrium asks for no defect, with mu as in field.hpp:
 ///
 ///   e(x) = u - u0 - K^-1 (m_t + R^T mu) = 0
@@ -46,19 +47,22 @@ class RelaxedRod {
   /// stations there. One coarse integration; the tangents of `shape` are zero then, its defect is left as it was.
   Unknowns start(const TipLoad& load, Shape& shape) const;
 
-  /// What a column buckles at, pi^2 EI / (4 L^2) with the mean EI [N]: the scale on which shapes change.
+  /// What a column buckles at, pi^2 EI / (4 L^2) with the mean EI described [N]: the scale on which shapes change.
   double buckling_force_N() const { return buckling_force_N_; }
   double length_m() const { return length_m_; }
 
  private:
   static constexpr int kForce = 3 * kPowers;  ///< first column of F
+  /// What a cell and the load make of K^-1 (diagonal) and of u0 + K^-1 m_t.
+  struct Bending {
+    Vector3d compliance, free_curvature;
+  };
   struct Cell {
     Vector3d compliance = Vector3d::Zero();  ///< diagonal of K^-1; zero in a rigid section
     Vector3d precurvature = Vector3d::Zero();
     Eigen::Matrix<double, kPowers, 1> powers = Eigen::Matrix<double, kPowers, 1>::Zero();  ///< x^b / L; zero if rigid
-    Vector3d free_curvature(const TipLoad& load) const {
-      return precurvature + compliance.cwiseProduct(load.tendon_couple_Nm);
-    }
+    bool rigid = false;
+    Bending under(const TipLoad& load, const Vector3d& factor) const;  ///< compliance_factor(load)
   };
   struct Station {
     int cell = 0;

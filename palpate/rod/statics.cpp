@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <palpate/math/errors.hpp>
 #include <palpate/rod/integration.hpp>
@@ -76,18 +77,20 @@ RodSolver::RodSolver(Rod rod, std::span<const double> arc_lengths_m, Accuracy ac
     from = sigma;
   }
 
-  least_stiffness_Nm2_ = std::numeric_limits<double>::infinity();
+  least_stiffness_Nm2_.setConstant(std::numeric_limits<double>::infinity());
   for (const Section& section : rod_.sections)
-    if (!section.rigid) least_stiffness_Nm2_ = std::min(least_stiffness_Nm2_, section.stiffness_Nm2.minCoeff());
+    if (!section.rigid) least_stiffness_Nm2_ = least_stiffness_Nm2_.cwiseMin(section.stiffness_Nm2);
 }
 
 double RodSolver::curvature_bound_per_m(const TipLoad& load) const {
   const Vector3d moment = load.moment_tip_Nm + rod_.contact_offset_m.cross(load.force_tip_N);
   const double force = load.force_tip_N.norm() + rod_.length_m() * load.distributed_tip_N_per_m.norm();
+  const double least_stiffness_Nm2 = least_stiffness_Nm2_.cwiseQuotient(compliance_factor(load)).minCoeff();
   double unloaded = 0.0;
-  for (const Section& section : rod_.sections) unloaded = std::max(unloaded, section.precurvature_per_m.norm());
-  return unloaded + (moment.norm() + load.tendon_couple_Nm.norm()) / least_stiffness_Nm2_ +
-         2.0 * std::sqrt(force / least_stiffness_Nm2_);
+  for (const Section& section : rod_.sections)
+    unloaded = std::max(unloaded, rod_field::unloaded_curvature(section, load).norm());
+  return unloaded + (moment.norm() + load.tendon_couple_Nm.norm()) / least_stiffness_Nm2 +
+         2.0 * std::sqrt(force / least_stiffness_Nm2);
 }
 
 template <int N>

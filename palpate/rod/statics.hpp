@@ -10,13 +10,23 @@
 /// problem from the tip to the clamp (field.hpp). No boundary-value problem, no iteration.
 namespace palpate {
 
-/// What loads the rod, in components of the local frame at the flexible end (the tip frame).
+/// What loads the rod, in components of the local frame at the flexible end (the tip frame), and how the shaft differs
+/// from its description: of all that, LoadDirections are the derivatives.
 struct TipLoad {
   Vector3d force_tip_N = Vector3d::Zero();              ///< of the tissue on the tip, at Rod::contact_offset_m
   Vector3d moment_tip_Nm = Vector3d::Zero();            ///< free moment at the tip; a tendon's end moment goes here
   Vector3d tendon_couple_Nm = Vector3d::Zero();         ///< constant in local components along the shaft
   Vector3d distributed_tip_N_per_m = Vector3d::Zero();  ///< uniform load turned into the tip frame (base_loads.hpp)
+  Vector3d log_stiffness = Vector3d::Zero();  ///< of (EI1, EI2, GJ) over those described; all flexible sections alike
+  Vector3d precurvature_per_m = Vector3d::Zero();  ///< added to that described; all flexible sections alike
 };
+
+/// exp(-log_stiffness): by what the compliance of every flexible section is multiplied. Most loads leave the shaft as
+/// described and pay for no exponential.
+inline Vector3d compliance_factor(const TipLoad& load) {
+  if (load.log_stiffness.isZero(0.0)) return Vector3d::Ones();
+  return (-load.log_stiffness).array().exp();
+}
 
 /// N directions in parameter space: column j is the derivative of every input along direction j.
 template <int N>
@@ -25,8 +35,8 @@ struct LoadDirections {
   Columns force_tip_N = Columns::Zero();
   Columns moment_tip_Nm = Columns::Zero();
   Columns tendon_couple_Nm = Columns::Zero();
-  Columns log_stiffness = Columns::Zero();       ///< of (EI1, EI2, GJ), all flexible sections scaled alike
-  Columns precurvature_per_m = Columns::Zero();  ///< added to all flexible sections
+  Columns log_stiffness = Columns::Zero();
+  Columns precurvature_per_m = Columns::Zero();
   Columns distributed_tip_N_per_m = Columns::Zero();
 };
 
@@ -87,8 +97,8 @@ class RodSolver {
   double angle_per_step() const { return angle_per_step_; }
 
   /// Largest curvature to expect along the rod [1/m], for the step rule: |u0| + |M|/EI + 2 sqrt(|F|/EI), EI the least
-  /// of the stiffnesses. A bound for a uniform rod of equal stiffnesses, along which u.K.u / 2 + n.d3 is constant; an
-  /// estimate otherwise.
+  /// of the stiffnesses, both as `load` changes them. A bound for a uniform rod of equal stiffnesses, along which
+  /// u.K.u / 2 + n.d3 is constant; an estimate otherwise.
   double curvature_bound_per_m(const TipLoad& load) const;
 
   /// Piece of the rod between two stops, from the tip to the clamp.
@@ -107,7 +117,7 @@ class RodSolver {
   std::vector<int> station_order_;  ///< station indices from the tip to the clamp
   int stations_at_tip_ = 0;         ///< how many of them lie at or beyond the flexible end
   std::vector<Piece> pieces_;
-  double least_stiffness_Nm2_ = 0.0;
+  Vector3d least_stiffness_Nm2_ = Vector3d::Zero();  ///< each over the flexible sections, as described
   double angle_per_step_ = 0.0;
 
   template <int N, bool Full>

@@ -63,6 +63,17 @@ Loaded with_tendon_couple() {
   return setup;
 }
 
+/// The load changes the shaft; with a couple, whose curvature changes as well.
+Loaded deviating(Loaded setup) {
+  setup.load.tendon_couple_Nm = {1e-3, 0.5e-3, 0.0};
+  setup.load.log_stiffness = {0.3, 0.1, -0.2};
+  setup.load.precurvature_per_m = {-8.0, 5.0, 2.0};
+  return setup;
+}
+
+Loaded with_deviation() { return deviating(with_contact_offset()); }
+Loaded sectioned_with_deviation() { return deviating(sectioned()); }
+
 struct Case {
   const char* name;
   std::function<Loaded()> make;
@@ -77,6 +88,8 @@ const Case kCases[] = {
     {"contact_offset", with_contact_offset},
     {"tip_moment", with_tip_moment},
     {"tendon_couple", with_tendon_couple},
+    {"deviation", with_deviation},
+    {"sectioned_deviation", sectioned_with_deviation},
 };
 
 /// Ends, a cell's interior, a cell's boundary, the tip, and a place on the rigid tip where there is one.
