@@ -81,16 +81,17 @@ struct SharedRun {
 
 inline SharedRun run(const SharedRecording& recording, const ObserverOptions& options) {
   ForceObserver observer(recording.catheter, options);
-  RecordingSmoother smoother(observer.motion().model());
+  RecordingSmoother smoother(observer.motion().model(), observer.motion().parameters().prior());
   SharedRun out;
   for (const TrackerFrame& frame : recording.frames) {
     const Estimate& e = out.estimates.emplace_back(observer.update(frame));
     out.online.push_back({e.time_s, e.force_tip_N, e.covariance_tip_N2, e.status});
-    smoother.push(observer.motion().step(), observer.motion().state());
+    smoother.push(observer.motion().step(), observer.motion().belief());
   }
-  const std::vector<ForceGaussian> smooth = smoother.smooth();
+  const std::vector<SmoothedFrame> smooth = smoother.smooth();
   for (std::size_t i = 0; i < smooth.size(); ++i)
-    out.smoothed.push_back({out.online[i].time_s, smooth[i].mean_N, smooth[i].covariance_N2, out.online[i].status});
+    out.smoothed.push_back(
+        {out.online[i].time_s, smooth[i].force.mean_N, smooth[i].force.covariance_N2, out.online[i].status});
   return out;
 }
 

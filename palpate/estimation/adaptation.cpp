@@ -7,8 +7,8 @@ namespace palpate {
 
 NoiseAdaptation::NoiseAdaptation(int channels, int window) : channel_(static_cast<std::size_t>(channels)) {
   for (Channel& channel : channel_) {
-    channel.residual.resize(static_cast<std::size_t>(window));
-    channel.projected.resize(static_cast<std::size_t>(window));
+    channel.residual.setZero(window);
+    channel.projected.setZero(window);
   }
 }
 
@@ -26,15 +26,14 @@ void NoiseAdaptation::observe(const Channels& channels, const ResidualMatrix& no
     Channel& channel = channel_[static_cast<std::size_t>(channels[static_cast<std::size_t>(i)])];
     const int window = static_cast<int>(channel.residual.size());
     const double nominal = nominal_noise(i, i);
-    const auto slot = static_cast<std::size_t>(channel.next);
-    channel.residual[slot] = at.residual(i) / std::sqrt(nominal);
-    channel.projected[slot] = at.jacobian.row(i).dot(posterior_covariance * at.jacobian.row(i).transpose()) / nominal;
+    channel.residual(channel.next) = at.residual(i) / std::sqrt(nominal);
+    channel.projected(channel.next) =
+        at.jacobian.row(i).dot(posterior_covariance * at.jacobian.row(i).transpose()) / nominal;
     channel.next = (channel.next + 1) % window;
     channel.count = std::min(channel.count + 1, window);
     if (channel.count < 2) continue;
 
-    const Eigen::Map<const Eigen::ArrayXd> r(channel.residual.data(), channel.count);
-    const Eigen::Map<const Eigen::ArrayXd> projected(channel.projected.data(), channel.count);
+    const auto r = channel.residual.head(channel.count), projected = channel.projected.head(channel.count);
     const double samples = channel.count;
     const double matched = (r - r.mean()).square().sum() / (samples - 1.0) + projected.mean();
     const double shrunk = (kPriorSamples + samples * matched) / (kPriorSamples + samples);

@@ -33,7 +33,9 @@ class NoiseAdaptation {
 
  private:
   struct Channel {
-    std::vector<double> residual, projected;  ///< ring buffers of r / sqrt(R0) and (J P+ J^T) / R0
+    /// Ring buffers of r / sqrt(R0) and (J P+ J^T) / R0. Eigen's, for it sums from the first aligned address on: over a
+    /// std::vector, the last bits would depend on where the heap has put it.
+    Eigen::ArrayXd residual, projected;
     int count = 0, next = 0;
     double ratio = 1.0;
   };

@@ -19,7 +19,8 @@ struct SearchOptions {
 };
 
 /// The right minimum of the MAP cost from any start, with bounded work. A wrong local minimum gives itself away by its
-/// cost: at the right one the post-fit residual is chi-square with rows - states degrees of freedom.
+/// cost: at the right one the post-fit residual is chi-square with rows - states degrees of freedom (nuisance states,
+/// which bring their own prior, not counted).
 ///
 ///   1. damped iterated update from `start`; a plausible end is the answer
 ///   2. otherwise from one seed after the other, until one ends plausibly; the least cost is kept
@@ -55,7 +56,9 @@ class GlobalUpdate {
   static constexpr double kEquallyGood = 4.0;                       ///< difference of chi-square: two sigma
   static constexpr int kLeastSurplus = 3;
 
-  int surplus() const { return best_.rows - static_cast<int>(best_.posterior.mean.size()); }
+  int surplus() const {
+    return best_.rows - static_cast<int>(best_.posterior.mean.size()) + options_.local.nuisance_states;
+  }
 
   bool settled() const {
     if (!converged(best_.status) || surplus() < kLeastSurplus) return false;

@@ -64,6 +64,7 @@ inline void begin(int rows, const Gaussian& prior, Update& out) {
   out.chi_square = out.residual_chi_square = out.surprise = 0.0;
   out.rows = rows;
   out.evaluations = 0;
+  out.line.more_noise.resize(0, 0);
 }
 
 /// The last point and the cost's model there become the posterior.
@@ -72,7 +73,7 @@ void conclude(const W& whitened, const typename W::Point& point, Update& out) {
   out.posterior.mean = whitened.state(point.z);
   out.posterior.covariance = whitened.covariance();
   out.chi_square = point.cost;
-  out.residual_chi_square = point.whitened.squaredNorm();
+  out.residual_chi_square = whitened.misfit(point);
   out.surprise = whitened.surprise(point.z);
   out.at = point.at;
   out.evaluations = whitened.evaluations;
@@ -88,7 +89,7 @@ template <MeasurementModel Model>
 void iterated_update(Model& model, const Gaussian& prior, const StateVector& start, const UpdateOptions& options,
                      Update& out) {
   detail::begin(model.rows(), prior, out);
-  Whitened<Model> whitened(model, prior, options.tail_degrees);
+  Whitened<Model> whitened(model, prior, options.nuisance_states, options.tail_degrees);
   typename Whitened<Model>::Point point;
   const bool usable = whitened.definite() && whitened.evaluate(whitened.coordinates(start), point);
   out.evaluations = whitened.evaluations;
@@ -108,6 +109,9 @@ void iterated_update(Model& model, const Gaussian& prior, const StateVector& sta
     dz = whitened.step();
   }
   out.status = UpdateStatus::kNotConverged;
+  out.line.x0 = whitened.state(point.z);
+  out.line.at_x0 = point.at;
+  whitened.add_tail_noise(point, out.line.more_noise);
   if (whitened.squared_sigmas(dz) <= tolerance) {
     out.status = UpdateStatus::kConverged;
     point.z += dz;  // below the tolerance: taken without another evaluation
@@ -116,10 +120,11 @@ void iterated_update(Model& model, const Gaussian& prior, const StateVector& sta
 }
 
 /// Extended Kalman update, Eq. (17): one step from the prior mean, and one evaluation more for the post-fit residual.
+/// `nuisance_states`: as UpdateOptions.
 template <MeasurementModel Model>
-void extended_update(Model& model, const Gaussian& prior, Update& out) {
+void extended_update(Model& model, const Gaussian& prior, Update& out, int nuisance_states = 0) {
   detail::begin(model.rows(), prior, out);
-  Whitened<Model> whitened(model, prior);
+  Whitened<Model> whitened(model, prior, nuisance_states);
   typename Whitened<Model>::Point point;
   const StateVector origin = StateVector::Zero(prior.mean.size());
   const bool usable = whitened.definite() && whitened.evaluate(origin, point);
@@ -127,6 +132,8 @@ void extended_update(Model& model, const Gaussian& prior, Update& out) {
   if (!usable) return;
 
   out.innovation = point.at.residual;
+  out.line.x0 = prior.mean;
+  out.line.at_x0 = point.at;
   whitened.model_cost(point);
   const StateVector dz = whitened.step();
   const double chi_square = point.cost - whitened.squared_sigmas(dz);

@@ -4,14 +4,51 @@
 
 namespace palpate {
 
-MotionFilter::MotionFilter(const MotionOptions& motion, const ProcessNoiseOptions& noise)
-    : model_(motion), noise_(model_, noise), adapts_(motion.motion != ForceMotion::kGaussMarkov) {
-  model_.initial(state_);
-  before_ = state_;
+namespace {
+
+/// A line of no rows: nothing is said.
+void clear(FrameLine& line, Eigen::Index parameters) {
+  line.force_N.setZero();
+  line.parameters.setZero(parameters);
+  line.residual.resize(0);
+  line.by_force.resize(0, 3);
+  line.by_parameters.resize(0, parameters);
+  line.noise.resize(0, 0);
+  line.hidden.setZero();
+  line.hiding_rows = 0;
 }
 
-MotionFilter::MotionFilter(const MotionOptions& motion, const Vector3d& drive)
-    : MotionFilter(motion, ProcessNoiseOptions::of(motion.motion)) {
+/// Three more rows: the force alone, as `more` (a line of three) says.
+void append(const FrameLine& more, FrameLine& line) {
+  const Eigen::Index m = line.residual.size();
+  line.residual.conservativeResize(m + 3);
+  line.residual.tail<3>() = more.residual - more.by_force * line.force_N;
+  line.by_force.conservativeResize(m + 3, 3);
+  line.by_force.bottomRows<3>() = more.by_force;
+  line.by_parameters.conservativeResize(m + 3, line.by_parameters.cols());
+  line.by_parameters.bottomRows<3>().setZero();
+  line.noise.conservativeResize(m + 3, m + 3);
+  line.noise.bottomRows<3>().setZero();
+  line.noise.rightCols<3>().setZero();
+  line.noise.bottomRightCorner<3, 3>() = more.noise;
+}
+
+}  // namespace
+
+MotionFilter::MotionFilter(const MotionOptions& motion, const ProcessNoiseOptions& noise,
+                           const ParameterPrior& parameters)
+    : model_(motion),
+      parameters_(parameters),
+      noise_(model_, noise),
+      adapts_(motion.motion != ForceMotion::kGaussMarkov) {
+  parameters_.initial(model_, belief_);
+  before_ = ahead_ = belief_;
+  BeliefModel::see(model_.seen(), belief_, seen_);
+  clear(line_, parameters_.parameters());
+}
+
+MotionFilter::MotionFilter(const MotionOptions& motion, const Vector3d& drive, const ParameterPrior& parameters)
+    : MotionFilter(motion, ProcessNoiseOptions::of(motion.motion), parameters) {
   adapts_ = false;
   step_.drive = drive;
 }
@@ -20,13 +57,16 @@ MotionFilter::MotionFilter(const MotionOptions& motion, const Vector3d& drive)
 double MotionFilter::belief_N() const { return std::numbers::sqrt2 * model_.options().force_sigma_N; }
 
 void MotionFilter::repeat_prediction() {
-  state_ = before_;
-  model_.predict(step_, state_);
-  prior_ = within_belief(seen(), belief_N());
+  belief_ = before_;
+  parameters_.predict(model_, step_, belief_);
+  BeliefModel::see(model_.seen(), belief_, seen_);
+  limited_ = seen_.covariance.diagonal().head<3>().maxCoeff() > belief_N() * belief_N();
+  if (limited_) limit_force(belief_N(), seen_);
+  prior_ = {seen_.mean.head<3>(), seen_.covariance.topLeftCorner<3, 3>()};
 }
 
 const ForceGaussian& MotionFilter::predict(double dt_s) {
-  before_ = state_;
+  before_ = belief_;
   step_.dt_s = dt_s;
   step_.jump = false;
   step_.rhythm = rhythm_.rhythm();
@@ -46,25 +86,41 @@ ForceGaussian MotionFilter::prior_after_jump() const {
   return out;
 }
 
-bool MotionFilter::correct(const ForceGaussian& posterior) {
-  const bool good = condition(model_.seen(), posterior, state_, correction_);
-  if (!good) correction_ = ForceCorrection::none(model_.seen());
+/// line_, and what is believed of any force, correct the prediction.
+bool MotionFilter::correct() {
+  if (limited_) append(line_of(likelihood_between(seen(), prior_), 0), line_);
+  const bool good = line_.residual.size() > 0 && parameters_.update(model_.seen(), line_, belief_, correction_);
+  if (!good) correction_.rows = 0;
   if (model_.options().motion == ForceMotion::kRhythm) rhythm_.observe(step_.dt_s, seen());
   return good;
 }
 
-bool MotionFilter::absorb(const ForceLikelihood& likelihood, bool jump) {
+bool MotionFilter::tune_and_correct(const ForceLikelihood& likelihood, bool jump) {
   step_.jump = jump;
   if (adapts_) {
     if (jump) noise_.jump();
-    noise_.observe(likelihood, force_of(model_.oscillating(), state_));
+    noise_.observe(likelihood, force_of(model_.oscillating(), belief_.motion));
     step_.drive = noise_.drive();
   }
   repeat_prediction();
-  return correct(posterior_of(prior_, likelihood));
+  return correct();
 }
 
-void MotionFilter::hold() { correct(prior_); }
+bool MotionFilter::absorb(const FrameLine& line, bool jump) {
+  line_ = line;
+  hide_axial_force(weak_force_N_, belief_.parameter_covariance, line_);
+  return tune_and_correct(force_likelihood(line, parameters_.prior(), belief_), jump);
+}
+
+bool MotionFilter::absorb(const ForceLikelihood& likelihood, bool jump) {
+  line_ = line_of(likelihood, parameters_.parameters());
+  return tune_and_correct(likelihood, jump);
+}
+
+void MotionFilter::hold() {
+  clear(line_, parameters_.parameters());
+  correct();
+}
 
 ForceGaussian MotionFilter::forecast(double ahead_s) const {
   MotionStep ahead = step_;
@@ -72,7 +128,16 @@ ForceGaussian MotionFilter::forecast(double ahead_s) const {
   ahead.jump = false;
   if (adapts_) ahead.drive = noise_.drive_ahead(ahead_s);
   ahead.rhythm = rhythm_.rhythm();
-  return within_belief(model_.forecast(ahead, state_), belief_N());
+  ahead_ = belief_;
+  parameters_.predict(model_, ahead, ahead_);
+  return within_belief(newtons(ahead_), belief_N());
+}
+
+ForceGaussian MotionFilter::newtons(const Belief& belief) const {
+  ForceGaussian force = force_of(model_.reported(), belief.motion);
+  if (parameters_.parameters() == 0) return force;
+  return in_newtons(parameters_.prior(), force, map_times(model_.reported(), belief.cross), belief.parameters,
+                    belief.parameter_covariance);
 }
 
 }  // namespace palpate

@@ -149,11 +149,7 @@ void MotionModel::add_noise(const MotionStep& step, MotionMatrix& P) const {
 void MotionModel::predict(const MotionStep& step, MotionState& state) const {
   ComponentMatrix a;
   transition(step, a);
-  const MotionVector before = state.mean;
-  for (int r = 0; r < components_; ++r) {
-    state.mean.segment<3>(3 * r).setZero();
-    for (int c = 0; c < components_; ++c) state.mean.segment<3>(3 * r) += a(r, c) * before.segment<3>(3 * c);
-  }
+  apply_transition(a, state.mean);
   apply_transition(a, state.covariance);
   state.covariance.transposeInPlace();
   apply_transition(a, state.covariance);
@@ -164,14 +160,6 @@ ForceGaussian MotionModel::forecast(const MotionStep& step, const MotionState& s
   MotionState ahead = state;
   predict(step, ahead);
   return force_of(reported_, ahead);
-}
-
-void apply_transition(const ComponentMatrix& a, MotionMatrix& M) {
-  const MotionMatrix before = M;
-  M.setZero();
-  for (Eigen::Index r = 0; r < a.rows(); ++r)
-    for (Eigen::Index c = 0; c < a.cols(); ++c)
-      if (a(r, c) != 0.0) M.middleRows<3>(3 * r) += a(r, c) * before.middleRows<3>(3 * c);
 }
 
 }  // namespace palpate

@@ -96,8 +96,15 @@ class MotionModel {
   ComponentRow seen_, reported_, oscillating_;
 };
 
-/// M <- (a x I3) M. Skips the zeros of a.
-void apply_transition(const ComponentMatrix& a, MotionMatrix& M);
+/// M <- (a x I3) M, of any number of columns. Skips the zeros of a.
+template <class M>
+void apply_transition(const ComponentMatrix& a, M& columns) {
+  const M before = columns;
+  columns.setZero();
+  for (Eigen::Index r = 0; r < a.rows(); ++r)
+    for (Eigen::Index c = 0; c < a.cols(); ++c)
+      if (a(r, c) != 0.0) columns.template middleRows<3>(3 * r) += a(r, c) * before.template middleRows<3>(3 * c);
+}
 
 /// Level and rate over dt with the rate fading: level += travel rate, rate *= keep; noise q^2 times `variance`
 /// [level-level, level-rate, rate-rate]. memory = inf: keep 1, travel dt, variances dt^3/3, dt^2/2, dt.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <palpate/estimation/force_gaussian.hpp>
 
@@ -9,6 +8,7 @@
 /// entry 3 c + i belongs to component c, axis i. Capacity is fixed, so resizing never allocates.
 namespace palpate {
 
+inline constexpr int kMaxParameters = 96;  ///< of the sensors' model, beside the force
 inline constexpr int kMaxHeartHarmonics = 3, kMaxBreathingHarmonics = 2;
 inline constexpr int kMaxOscillators = kMaxHeartHarmonics + kMaxBreathingHarmonics;
 inline constexpr int kMaxMotionComponents = 2 + 2 * kMaxOscillators + 1;  ///< level, rate, oscillators, disturbance
@@ -30,31 +30,21 @@ struct MotionState {
   MotionMatrix covariance;
 };
 
-/// What conditioning on a new knowledge of F = H x did: x+ = x- + K (F+ - F-), with K = P- H^T S^-1, S = H P- H^T. Any
-/// variable with covariance X with x (the force of an earlier frame) is corrected alike, by its own gain X H^T S^-1.
-struct ForceCorrection {
-  Eigen::LLT<Matrix3d> seen_covariance;   ///< factor of S
-  MotionGain gain;                        ///< K, n x 3
-  Vector3d shift_N = Vector3d::Zero();    ///< F+ - F-
-  Matrix3d change_N2 = Matrix3d::Zero();  ///< P_F+ - S
-  ComponentRow seen;                      ///< H, per axis
-
-  /// Of a frame that changes nothing.
-  static ForceCorrection none(const ComponentRow& seen);
-};
-
 /// sum over components of map(c) x_c: 3-vector.
 Vector3d force_mean(const ComponentRow& map, const MotionVector& mean);
 /// P (map x I3)^T: n x 3.
 MotionGain times_map(const MotionMatrix& covariance, const ComponentRow& map);
-/// map (n x 3 matrix): 3 x 3.
-Matrix3d map_times(const ComponentRow& map, const MotionGain& columns);
+/// (map x I3) times columns of components: 3 x columns.
+template <class Columns>
+auto map_times(const ComponentRow& map, const Columns& columns) {
+  constexpr int kMost =
+      Columns::MaxColsAtCompileTime == Eigen::Dynamic ? kMaxParameters : Columns::MaxColsAtCompileTime;
+  Eigen::Matrix<double, 3, Columns::ColsAtCompileTime, Eigen::ColMajor, 3, kMost> out;
+  out.setZero(3, columns.cols());
+  for (Eigen::Index c = 0; c < map.size(); ++c)
+    if (map(c) != 0.0) out += map(c) * columns.template middleRows<3>(3 * c);
+  return out;
+}
 ForceGaussian force_of(const ComponentRow& map, const MotionState& state);
-
-/// Conditions the state on F = H x having become N(F+, P_F+): x+ = x- + K (F+ - F-), P+ = P- + K (P_F+ - S) K^T,
-/// symmetrised. Exact for linear-Gaussian states, whichever update found the posterior. False, and the state as it was,
-/// where S is not positive definite or a variance would be lost. Cost about 9 n^2 products; no allocation.
-bool condition(const ComponentRow& seen, const ForceGaussian& posterior, MotionState& state,
-               ForceCorrection& correction);
 
 }  // namespace palpate

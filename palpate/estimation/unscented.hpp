@@ -129,8 +129,9 @@ inline StateMatrix square(const StateMatrix& F) {
 /// Cost: 2 n + 1 evaluations of the model (n states; the last one for the post-fit residual) and one QR of
 /// (m + 2 n) x 2 n. Source: Julier and Uhlmann 2004; square-root form after van der Merwe and Wan 2001, whose downdates
 /// the weights make needless.
+/// `nuisance_states`: as UpdateOptions.
 template <MeasurementModel Model>
-void unscented_update(Model& model, const Gaussian& prior, Update& out) {
+void unscented_update(Model& model, const Gaussian& prior, Update& out, int nuisance_states = 0) {
   detail::begin(model.rows(), prior, out);
   ResidualMatrix noise;
   model.noise(noise);
@@ -141,6 +142,10 @@ void unscented_update(Model& model, const Gaussian& prior, Update& out) {
   detail::Regression line;
   if (!detail::regress(model, prior.mean, L, out, line)) return;
   out.innovation = line.nu;
+  out.line.x0 = prior.mean;
+  out.line.at_x0.residual = line.nu;
+  out.line.at_x0.jacobian = L_factor.matrixL().transpose().solve(line.G.transpose()).transpose();  // G = J L
+  out.line.more_noise = line.E.lazyProduct(line.E.transpose());
 
   W.matrixL().solveInPlace(line.nu);
   W.matrixL().solveInPlace(line.G);
@@ -152,13 +157,13 @@ void unscented_update(Model& model, const Gaussian& prior, Update& out) {
 
   out.posterior = posterior;
   out.chi_square = z.chi_square;
-  out.surprise = whitened_surprise(z.mean, z.information);
+  out.surprise = whitened_surprise(z.mean, z.information, nuisance_states);
   ++out.evaluations;
   out.status = UpdateStatus::kNotConverged;
   if (!model.linearize(posterior.mean, out.at) || !out.at.residual.allFinite()) return;
   ResidualVector whitened = out.at.residual;
   W.matrixL().solveInPlace(whitened);
-  out.residual_chi_square = whitened.squaredNorm();
+  out.residual_chi_square = whitened.squaredNorm() + z.mean.tail(nuisance_states).squaredNorm();
   out.status = UpdateStatus::kConverged;
 }
 

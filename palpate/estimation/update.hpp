@@ -37,6 +37,7 @@ struct UpdateOptions {
   double step_tolerance = 1e-2;  ///< converged when the next step is this small, in posterior sigmas; range (0, 1]
   Damping damping = Damping::kLevenbergMarquardt;
   double tail_degrees = 0.0;  ///< nu of a Student t tail, block by block; 0: Gaussian; otherwise range [1, 100]
+  int nuisance_states = 0;    ///< the last so many states are parameters: their prior counts as data, not as prediction
 };
 
 enum class UpdateStatus {
@@ -50,17 +51,28 @@ enum class UpdateStatus {
 /// The mean can be relied on.
 constexpr bool converged(UpdateStatus status) { return status <= UpdateStatus::kAmbiguous; }
 
+/// The straight line for h that a posterior follows from: r(x) = residual - J (x - x0), up to N(0, R + more_noise).
+struct UpdateLine {
+  StateVector x0;
+  Linearization at_x0;
+  ResidualMatrix more_noise;  ///< empty: none
+};
+
 struct Update {
   UpdateStatus status = UpdateStatus::kFailed;
   Gaussian posterior;
-  double chi_square = 0.0;           ///< twice the MAP cost at the posterior; for a linear model nu^T S^-1 nu, the NIS
-  double residual_chi_square = 0.0;  ///< r^T R^-1 r, post-fit: the measurement's share of it where noise is Gaussian
-  /// (x_data - x_prior)^T (P_data + P_prior)^-1 (x_data - x_prior), linearised: chi-square, a degree a state.
+  double chi_square = 0.0;  ///< twice the MAP cost at the posterior; for a linear model nu^T S^-1 nu, the NIS
+  /// r^T R^-1 r, post-fit, and the cost of the nuisance states: the share of it that is not the prediction's, where the
+  /// noise is Gaussian.
+  double residual_chi_square = 0.0;
+  /// (x_data - x_prior)^T (P_data + P_prior)^-1 (x_data - x_prior), linearised: chi-square, a degree a state that is
+  /// not a nuisance.
   double surprise = 0.0;
   int rows = 0;
   int evaluations = 0;        ///< of the model
   ResidualVector innovation;  ///< residual where the search began: at the prior mean, unless told otherwise
   Linearization at;           ///< at the posterior mean, but for a last step below the tolerance
+  UpdateLine line;            ///< what a linear filter makes the same posterior of
 };
 
 }  // namespace palpate

@@ -9,13 +9,21 @@
 namespace palpate {
 
 /// |z|^2 + z^T (G^T G)^-1 z, with `information` = I + G^T G: at the optimum z = G^T w, and this is how far the data
-/// alone would have gone, in sigmas of data and prior together.
-inline double whitened_surprise(const StateVector& z, const StateMatrix& information) {
-  StateMatrix data = information;
+/// alone would have gone, in sigmas of data and prior together. The last `nuisance` states count among the data: of the
+/// information the Schur complement over them is left.
+inline double whitened_surprise(const StateVector& z, const StateMatrix& information, int nuisance = 0) {
+  const Eigen::Index n = z.size() - nuisance;
+  StateMatrix data = information.topLeftCorner(n, n);
+  if (nuisance > 0) {
+    const Eigen::LLT<StateMatrix> rest(information.bottomRightCorner(nuisance, nuisance));
+    const StateMatrix cross = information.bottomLeftCorner(nuisance, n);
+    data -= cross.transpose().lazyProduct(rest.solve(cross));
+  }
   const double floor = std::max(1e-9, 1e-15 * information.trace());  // above the rounding of the largest
   data.diagonal().array() -= 1.0 - floor;                            // directions that the data do not see cost nothing
   const Eigen::LLT<StateMatrix> factor(data);
-  return z.squaredNorm() + (factor.info() == Eigen::Success ? z.dot(factor.solve(z)) : 0.0);
+  const StateVector leading = z.head(n);
+  return leading.squaredNorm() + (factor.info() == Eigen::Success ? leading.dot(factor.solve(leading)) : 0.0);
 }
 
 /// The update in whitened coordinates: x = x0 + L z with P = L L^T, R = W W^T, w = W^-1 r, G = W^-1 J L. The cost is
@@ -28,8 +36,8 @@ inline double whitened_surprise(const StateVector& z, const StateMatrix& informa
 template <MeasurementModel Model>
 class Whitened {
  public:
-  Whitened(Model& model, const Gaussian& prior, double tail_degrees = 0.0)
-      : model_(model), prior_(prior), tail_degrees_(tail_degrees) {
+  Whitened(Model& model, const Gaussian& prior, int nuisance = 0, double tail_degrees = 0.0)
+      : model_(model), prior_(prior), nuisance_(nuisance), tail_degrees_(tail_degrees) {
     ResidualMatrix noise;
     model_.noise(noise);
     noise_factor_.compute(noise);
@@ -92,7 +100,21 @@ class Whitened {
   double squared_sigmas(const StateVector& dz) const { return dz.dot(information_ * dz); }
 
   /// Update::surprise at the optimum.
-  double surprise(const StateVector& z) const { return whitened_surprise(z, information_); }
+  double surprise(const StateVector& z) const { return whitened_surprise(z, information_, nuisance_); }
+
+  /// Update::residual_chi_square.
+  double misfit(const Point& point) const {
+    return point.whitened.squaredNorm() + point.z.tail(nuisance_).squaredNorm();
+  }
+
+  /// What the weights of heavy tails add to the noise, W (diag(1 / weight) - I) W^T.
+  void add_tail_noise(const Point& point, ResidualMatrix& more_noise) const {
+    more_noise.resize(0, 0);
+    if (point.root_weight.size() == 0) return;
+    const ResidualMatrix W = noise_factor_.matrixL();
+    const ResidualVector more = point.root_weight.array().square().inverse() - 1.0;
+    more_noise = W.lazyProduct(more.asDiagonal().toDenseMatrix().lazyProduct(W.transpose()));
+  }
 
   /// Joseph form, L [(I - K G)(I - K G)^T + K K^T] L^T with K = (I + G^T G)^-1 G^T: symmetric, positive definite.
   StateMatrix covariance() const {
@@ -132,6 +154,7 @@ class Whitened {
 
   Model& model_;
   const Gaussian& prior_;
+  int nuisance_;
   double tail_degrees_;
   Eigen::LLT<ResidualMatrix> noise_factor_;
   Eigen::LLT<StateMatrix> prior_factor_;

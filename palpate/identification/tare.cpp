@@ -169,6 +169,9 @@ void correct(Tare& tare, const Gaussian& found, bool straight) {
   catheter.base.T_tracker_base = catheter.base.T_tracker_base * T_nominal_base;
   catheter.base.position_sigma_m = std::sqrt(variance.segment<3>(3).mean());
   catheter.base.rotation_sigma_rad = std::sqrt(variance.tail<3>().mean());
+  Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Zero();  // into the axes of the new base frame
+  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = T_nominal_base.R.transpose();
+  catheter.base.covariance = turn * found.covariance.bottomRightCorner(6, 6) * turn.transpose();
 }
 
 }  // namespace

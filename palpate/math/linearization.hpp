@@ -8,7 +8,7 @@
 namespace palpate {
 
 inline constexpr int kMaxStates = 16;
-inline constexpr int kMaxResiduals = 48;  ///< eight 6-DOF sensors
+inline constexpr int kMaxResiduals = 54;  ///< eight 6-DOF sensors, a known force, and what is believed of it
 
 using StateVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxStates, 1>;
 using StateMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxStates, kMaxStates>;

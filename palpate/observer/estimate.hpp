@@ -5,6 +5,7 @@
 #include <palpate/estimation/consistency.hpp>
 #include <palpate/estimation/force_gaussian.hpp>
 #include <palpate/observer/frame_clock.hpp>
+#include <palpate/observer/observability.hpp>
 #include <palpate/sensing/screening.hpp>
 #include <string_view>
 
@@ -37,11 +38,14 @@ struct Estimate {
   double time_s = 0.0;
   EstimateStatus status = EstimateStatus::kHeld;
   FrameTime time = FrameTime::kFirst;
-  Vector3d force_tip_N = Vector3d::Zero();  ///< of the tissue on the tip, axes d1, d2, d3 at the flexible end
-  Matrix3d covariance_tip_N2 = Matrix3d::Zero();
-  Vector3d force_base_N = Vector3d::Zero();    ///< the same force in the clamp's frame
-  Matrix3d R_base_tip = Matrix3d::Identity();  ///< turns one into the other: R P R^T is the covariance in the base
-  unsigned used = 0;                           ///< bit i: Catheter::sensors[i] was used
+  Vector3d force_tip_N = Vector3d::Zero();        ///< of the tissue on the tip, axes d1, d2, d3 at the flexible end
+  Matrix3d covariance_tip_N2 = Matrix3d::Zero();  ///< of all that is not known exactly, not of the noise alone
+  SigmaBudget sigma_by_source_N = zero_budget();  ///< what it is made of
+  ShaftEstimate shaft;                            ///< stiffness and precurvature, estimated or stated
+  Observability observability;                    ///< of the latest frame that was used
+  Vector3d force_base_N = Vector3d::Zero();       ///< the same force in the clamp's frame
+  Matrix3d R_base_tip = Matrix3d::Identity();     ///< turns one into the other: R P R^T is the covariance in the base
+  unsigned used = 0;                              ///< bit i: Catheter::sensors[i] was used
   int sensors_used = 0;
   double nis = 0.0;              ///< normalised innovation squared, at the posterior's optimum
   int dof = 0;                   ///< its degrees of freedom; 0 where nothing was used

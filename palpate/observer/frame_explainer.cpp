@@ -12,12 +12,10 @@ namespace {
 constexpr int kSearch = 200, kShortSearch = 60;  ///< evaluations: all sensors; with one sensor left out
 constexpr int kInsists = 3;                      ///< surprising frames in a row
 
-UpdateOptions local_options(const ObserverOptions& options) {
-  return {.max_iterations = options.max_iterations, .tail_degrees = options.noise_tail_degrees};
-}
-
-SearchOptions search_options(const ObserverOptions& options, int max_evaluations) {
-  return {.local = local_options(options), .max_evaluations = max_evaluations};
+UpdateOptions local_options(const ObserverOptions& options, int nuisance_states) {
+  return {.max_iterations = options.max_iterations,
+          .tail_degrees = options.noise_tail_degrees,
+          .nuisance_states = nuisance_states};
 }
 
 ObserverOptions validated(const ObserverOptions& options) {
@@ -35,25 +33,31 @@ EstimateStatus status_of(UpdateStatus status) {
 
 }  // namespace
 
-FrameExplainer::FrameExplainer(const Catheter& catheter, const ObserverOptions& options)
+FrameExplainer::FrameExplainer(const Catheter& catheter, const ObserverOptions& options,
+                               const UncertainParameters& parameters)
     : options_(validated(options)),
-      local_(local_options(options)),
+      local_(local_options(options, parameters.rod_count)),
       outlier_gate_(options.outlier_probability),
       jump_gate_(options.jump_probability),
-      search_(search_options(options, kSearch)),
-      short_search_(search_options(options, kShortSearch)),
-      shape_(catheter, options.measurement) {
+      search_({.local = local_, .max_evaluations = kSearch}),
+      short_search_({.local = local_, .max_evaluations = kShortSearch}),
+      shape_(catheter, options.measurement, parameters) {
+  line_.parameters.setZero(parameters.size());
+  SeenBelief any;  // the priors get their sizes
+  any.mean.setZero(3 + parameters.size());
+  any.covariance.setIdentity(3 + parameters.size(), 3 + parameters.size());
+  for (FramePrior* prior : {&prediction_, &anywhere_}) prior->set(any, shape_.states());
   if (options_.method == Method::kIaekf) adaptation_.emplace(ShapeModel::kChannels, options_.adaptation_window);
 }
 
-int FrameExplainer::most_evaluations(const ObserverOptions& options, int sensors) {
-  const int own_update = 1 + options.max_iterations + (is_single_step(options.method) ? 7 : 0);
+int FrameExplainer::most_evaluations(const ObserverOptions& options, int sensors, int states) {
+  const int own_update = 1 + options.max_iterations + (is_single_step(options.method) ? 2 * states + 1 : 0);
   // With one evaluation left, a search still begins a seed and then, from that seed, an update.
   const int late = ForceSeeds::kMostEvaluations + ForceSeeds::kDirections + options.max_iterations;
   return own_update + kSearch + late + sensors * (own_update + kShortSearch + late) + 2;
 }
 
-EstimateStatus FrameExplainer::explain(Measurement& measurement, const Gaussian& prediction) {
+EstimateStatus FrameExplainer::explain(Measurement& measurement, const SeenBelief& prediction) {
   measurement_ = &measurement;
   used_ = 0;
   jumped_ = searched_ = false;
@@ -61,30 +65,31 @@ EstimateStatus FrameExplainer::explain(Measurement& measurement, const Gaussian&
   for (int k = 0; k < measurement.count; ++k) present |= 1U << measurement.poses[k].sensor;
   shape_.select(measurement, present);
   if (shape_.rows() == 0) return EstimateStatus::kHeld;
-  if (fits_prediction(present, prediction)) return take(prediction, present);
+  prediction_.set(prediction, states());
+  if (fits_prediction(present)) return take(prediction_, present);
 
-  anywhere_ = prediction;
-  anywhere_.covariance.diagonal().array() += options_.initial_force_sigma_N * options_.initial_force_sigma_N;
-  if (shape_.rows() <= prediction.mean.size()) return explain_lone_point(present, prediction);
+  anywhere_.set(prediction, states(), options_.initial_force_sigma_N);
+  if (shape_.rows() <= kForceStates) return explain_lone_point(present);
   jumped_ = true;
   if (fits_any_force(present, search_)) return take(anywhere_, present);
-  return explain_without_one_sensor(measurement, present, prediction);
+  return explain_without_one_sensor(measurement, present);
 }
 
 /// The usual case: the filter's own update, and nothing about it is surprising. Where a single step (EKF, UKF) does not
 /// get there, an iterated update may.
-bool FrameExplainer::fits_prediction(unsigned sensors, const Gaussian& prediction) {
+bool FrameExplainer::fits_prediction(unsigned sensors) {
   shape_.select(*measurement_, sensors);
   searched_ = false;
   if (shape_.rows() == 0) return false;
-  AdaptedModel adapted = model();
-  if (options_.method == Method::kEkf) extended_update(adapted, prediction, update_);
-  if (options_.method == Method::kUkf) unscented_update(adapted, prediction, update_);
+  FrameModel frame = model(prediction_);
+  const Gaussian& prior = prediction_.x;
+  if (options_.method == Method::kEkf) extended_update(frame, prior, update_, local_.nuisance_states);
+  if (options_.method == Method::kUkf) unscented_update(frame, prior, update_, local_.nuisance_states);
   if (is_single_step(options_.method)) {
     if (converged(update_.status) && agrees_with_prediction() && agrees_with_itself()) return true;
     searched_ = true;
   }
-  iterated_update(adapted, prediction, prediction.mean, local_, update_);
+  iterated_update(frame, prior, prior.mean, local_, update_);
   return converged(update_.status) && agrees_with_prediction();
 }
 
@@ -92,28 +97,27 @@ bool FrameExplainer::fits_any_force(unsigned sensors, GlobalUpdate& search) {
   shape_.select(*measurement_, sensors);
   searched_ = true;
   if (shape_.rows() == 0) return false;
-  AdaptedModel adapted = model();
-  search.run(adapted, anywhere_, &anywhere_.mean, update_);
+  FrameModel frame = model(anywhere_);
+  search.run(frame, anywhere_.x, &anywhere_.x.mean, update_);
   return converged(update_.status) && agrees_with_itself();
 }
 
 /// No more numbers than unknowns: any force would explain them, so a jump cannot be told from an outlier. The search
 /// stays within the prediction, for its own update may have ended in a wrong minimum; only a point that insists, frame
 /// after frame, is believed against it.
-EstimateStatus FrameExplainer::explain_lone_point(unsigned sensors, const Gaussian& prediction) {
+EstimateStatus FrameExplainer::explain_lone_point(unsigned sensors) {
   jumped_ = ++surprises_in_a_row_ >= kInsists;
   searched_ = true;
-  const Gaussian& prior = jumped_ ? anywhere_ : prediction;
-  AdaptedModel adapted = model();
-  search_.run(adapted, prior, &prior.mean, update_);
+  const FramePrior& prior = jumped_ ? anywhere_ : prediction_;
+  FrameModel frame = model(prior);
+  search_.run(frame, prior.x, &prior.x.mean, update_);
   if (!converged(update_.status)) return EstimateStatus::kNotConverged;
   return agrees_with_prediction() ? take(prior, sensors) : EstimateStatus::kRejected;
 }
 
 /// Without one sensor the prediction is tried first, then any force; explanations that keep the prediction come before
 /// those that do not, the smaller misfit before the larger.
-EstimateStatus FrameExplainer::explain_without_one_sensor(Measurement& measurement, unsigned present,
-                                                          const Gaussian& prediction) {
+EstimateStatus FrameExplainer::explain_without_one_sensor(Measurement& measurement, unsigned present) {
   bool any_converged = converged(update_.status);
   double least_misfit = std::numeric_limits<double>::infinity();
   unsigned odd_one = 0;
@@ -121,7 +125,7 @@ EstimateStatus FrameExplainer::explain_without_one_sensor(Measurement& measureme
   jumped_ = true;
   for (unsigned left = present; left != 0; left &= left - 1) {
     const unsigned sensor = left & -left, rest = present & ~sensor;
-    const bool calm = fits_prediction(rest, prediction);
+    const bool calm = fits_prediction(rest);
     const bool passes = calm || (jumped_ && fits_any_force(rest, short_search_));
     any_converged |= converged(update_.status);
     const double misfit = update_.chi_square / update_.rows;
@@ -137,7 +141,7 @@ EstimateStatus FrameExplainer::explain_without_one_sensor(Measurement& measureme
   update_ = spare_;
   searched_ = best_searched;
   shape_.select(measurement, present & ~odd_one);
-  const EstimateStatus status = take(jumped_ ? anywhere_ : prediction, present & ~odd_one);
+  const EstimateStatus status = take(jumped_ ? anywhere_ : prediction_, present & ~odd_one);
   R_base_tip_ = R_base_tip(update_.posterior.mean);  // the rod's latest shape is that of the last sensor left out
   return status;
 }
@@ -146,9 +150,8 @@ EstimateStatus FrameExplainer::explain_without_one_sensor(Measurement& measureme
 /// nothing to spare, only both together can be judged.
 bool FrameExplainer::agrees_with_prediction() const {
   if (surplus() <= 0) return outlier_gate_.passes(update_.chi_square, update_.rows);
-  const int states = static_cast<int>(update_.posterior.mean.size());
   const double misfit = update_.chi_square - update_.surprise;
-  return jump_gate_.passes(update_.surprise, states) && outlier_gate_.passes(misfit, surplus());
+  return jump_gate_.passes(update_.surprise, kForceStates) && outlier_gate_.passes(misfit, surplus());
 }
 
 /// More equations than unknowns, and the post-fit residual no larger than the noise.
@@ -157,14 +160,14 @@ bool FrameExplainer::agrees_with_itself() const {
 }
 
 /// The latest update stands.
-EstimateStatus FrameExplainer::take(const Gaussian& prior, unsigned sensors) {
-  prior_ = prior;
+EstimateStatus FrameExplainer::take(const FramePrior& prior, unsigned sensors) {
   surprises_in_a_row_ = 0;
-  AdaptedModel adapted = model();
+  const FrameModel frame = model(prior);
+  frame.line(update_.line, line_);
   if (options_.report_convergence_index) {
     ResidualMatrix R;
-    adapted.noise(R);
-    convergence_ = convergence_index(update_.at.residual, update_.at.jacobian, prior.covariance, R);
+    frame.noise(R);
+    convergence_ = convergence_index(update_.at.residual, update_.at.jacobian, prior.x.covariance, R);
   }
   if (adaptation_) {
     ResidualMatrix nominal;
@@ -179,22 +182,10 @@ EstimateStatus FrameExplainer::take(const Gaussian& prior, unsigned sensors) {
   return own_step || status != EstimateStatus::kUpdated ? status : EstimateStatus::kReseeded;
 }
 
-ForceLikelihood FrameExplainer::likelihood() const {
-  const auto force_of = [](const Gaussian& g) -> ForceGaussian {
-    return {g.mean.head<3>(), g.covariance.topLeftCorner<3, 3>()};
-  };
-  return likelihood_between(force_of(prior_), force_of(update_.posterior));
-}
-
-Matrix3d FrameExplainer::R_base_tip(const StateVector& force_tip_N) {
+Matrix3d FrameExplainer::R_base_tip(const StateVector& x) {
   Linearization unused;
-  shape_.linearize(force_tip_N, unused);
+  shape_.linearize(x, unused);
   return shape_.T_base_tip().R;
-}
-
-void FrameExplainer::AdaptedModel::noise(ResidualMatrix& R) const {
-  shape.noise(R);
-  if (adaptation != nullptr) adaptation->apply(shape.channels(), R);
 }
 
 }  // namespace palpate

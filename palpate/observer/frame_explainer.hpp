@@ -2,13 +2,11 @@
 #pragma once
 
 #include <optional>
-#include <palpate/estimation/adaptation.hpp>
 #include <palpate/estimation/consistency.hpp>
-#include <palpate/estimation/force_gaussian.hpp>
 #include <palpate/estimation/global_update.hpp>
 #include <palpate/observer/estimate.hpp>
+#include <palpate/observer/frame_model.hpp>
 #include <palpate/observer/options.hpp>
-#include <palpate/sensing/shape_model.hpp>
 
 namespace palpate {
 
@@ -23,52 +21,44 @@ namespace palpate {
 /// Neither allocates nor throws. Bounded work: most_evaluations().
 class FrameExplainer {
  public:
-  FrameExplainer(const Catheter& catheter, const ObserverOptions& options);
+  FrameExplainer(const Catheter& catheter, const ObserverOptions& options, const UncertainParameters& parameters);
 
   void set_tendon_moment(const Eigen::Vector2d& moment_Nm) { shape_.set_tendon_moment(moment_Nm); }
+  void set_known_load(const KnownLoad& load) { shape_.set_known_load(load); }
 
-  /// `prediction`: of the force that acts on the shaft. A refused sensor is marked in `measurement`. Where the status
-  /// is kUpdated, kReseeded or kAmbiguous, the results below are of the explanation that stands.
-  EstimateStatus explain(Measurement& measurement, const Gaussian& prediction);
+  /// `prediction`: of the force that acts on the shaft, and of the parameters. A refused sensor is marked in
+  /// `measurement`. Where the status is kUpdated, kReseeded or kAmbiguous, the results below are of the explanation
+  /// that stands.
+  EstimateStatus explain(Measurement& measurement, const SeenBelief& prediction);
 
   const Update& update() const { return update_; }
-  /// What the frame says about the force, whatever was predicted.
-  ForceLikelihood likelihood() const;
+  /// What the frame says about force and parameters, whatever was predicted.
+  const FrameLine& line() const { return line_; }
   unsigned used() const { return used_; }
   const ConvergenceIndex& convergence() const { return convergence_; }
   bool jumped() const { return jumped_; }  ///< the prediction was set aside
 
-  /// Orientation of the tip under a force; costs an evaluation.
-  Matrix3d R_base_tip(const StateVector& force_tip_N);
+  /// Orientation of the tip under a force, and with these parameters; costs an evaluation.
+  Matrix3d R_base_tip(const StateVector& x);
+  int states() const { return shape_.states(); }
   const Matrix3d& R_base_tip() const { return R_base_tip_; }
   std::int64_t evaluations() const { return shape_.evaluations(); }
 
   /// Model evaluations of one explain() at most, with `sensors` sensors in the frame; each is one integration, with own
-  /// weight up to 25.
-  static int most_evaluations(const ObserverOptions& options, int sensors);
+  /// weight up to 25. `states`: force and parameters that bend the rod.
+  static int most_evaluations(const ObserverOptions& options, int sensors, int states = 3);
 
  private:
-  /// The shape model with its noise as adapted so far.
-  struct AdaptedModel {
-    ShapeModel& shape;
-    const NoiseAdaptation* adaptation;
-    int rows() const { return shape.rows(); }
-    int block_end(int row) const { return shape.block_end(row); }
-    void noise(ResidualMatrix& R) const;
-    bool linearize(const StateVector& x, Linearization& at) { return shape.linearize(x, at); }
-    bool seed(int k, StateVector& x, int& evaluations) { return shape.seed(k, x, evaluations); }
-  };
-
-  bool fits_prediction(unsigned sensors, const Gaussian& prediction);
+  bool fits_prediction(unsigned sensors);
   bool fits_any_force(unsigned sensors, GlobalUpdate& search);
-  EstimateStatus explain_lone_point(unsigned sensors, const Gaussian& prediction);
-  EstimateStatus explain_without_one_sensor(Measurement& measurement, unsigned present, const Gaussian& prediction);
+  EstimateStatus explain_lone_point(unsigned sensors);
+  EstimateStatus explain_without_one_sensor(Measurement& measurement, unsigned present);
   bool agrees_with_prediction() const;
   bool agrees_with_itself() const;
-  EstimateStatus take(const Gaussian& prior, unsigned sensors);
+  EstimateStatus take(const FramePrior& prior, unsigned sensors);
 
-  AdaptedModel model() { return {shape_, adaptation_ ? &*adaptation_ : nullptr}; }
-  int surplus() const { return update_.rows - static_cast<int>(update_.posterior.mean.size()); }
+  FrameModel model(const FramePrior& prior) { return {shape_, adaptation_ ? &*adaptation_ : nullptr, prior}; }
+  int surplus() const { return update_.rows - kForceStates; }
 
   ObserverOptions options_;
   UpdateOptions local_;
@@ -77,9 +67,11 @@ class FrameExplainer {
   ShapeModel shape_;
   std::optional<NoiseAdaptation> adaptation_;
 
+  static constexpr int kForceStates = 3;  ///< the parameters bring a prior of their own
+
   const Measurement* measurement_ = nullptr;
-  Gaussian anywhere_;      ///< the prior of a surprise
-  Gaussian prior_;         ///< of the explanation that stands
+  FramePrior prediction_, anywhere_;  ///< the usual prior, that of a surprise
+  FrameLine line_;
   Update update_, spare_;  ///< of the latest fit; of the best explanation so far
   Matrix3d R_base_tip_ = Matrix3d::Identity();
   unsigned used_ = 0;

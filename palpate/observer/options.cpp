@@ -21,6 +21,16 @@ MotionOptions ObserverOptions::motion() const {
   return motion;
 }
 
+ParameterChoice ObserverOptions::parameters() const {
+  return {.consider = consider_uncertainty,
+          .estimate_stiffness = estimate_stiffness,
+          .free_torsion = free_torsion,
+          .estimate_precurvature = estimate_precurvature,
+          .stiffness_rate_per_s = stiffness_rate_per_s,
+          .stiffness_drift_per_sqrt_s = stiffness_drift_per_sqrt_s,
+          .precurvature_drift_per_m_sqrt_s = precurvature_drift_per_m_sqrt_s};
+}
+
 double ObserverOptions::stated_drive() const {
   if (force_model == ForceMotion::kRandomWalk) return force_rate_N_per_sqrt_s;
   return force_model == ForceMotion::kGaussMarkov ? 0.0 : force_acceleration_N_per_s_sqrt_s;
@@ -55,6 +65,12 @@ void ObserverOptions::validate() const {
           "0 (none) to 1000");
   require(disturbance_memory_s >= 1e-3 && disturbance_memory_s <= 1e4, "disturbance_memory_s", disturbance_memory_s,
           "0.001..10000");
+  require(stiffness_rate_per_s > 0.0 && stiffness_rate_per_s <= 10.0, "stiffness_rate_per_s", stiffness_rate_per_s,
+          "more than 0, at most 10");
+  require(stiffness_drift_per_sqrt_s > 0.0 && stiffness_drift_per_sqrt_s <= 10.0, "stiffness_drift_per_sqrt_s",
+          stiffness_drift_per_sqrt_s, "more than 0, at most 10");
+  require(precurvature_drift_per_m_sqrt_s > 0.0 && precurvature_drift_per_m_sqrt_s <= 1000.0,
+          "precurvature_drift_per_m_sqrt_s", precurvature_drift_per_m_sqrt_s, "more than 0, at most 1000");
   require(forecast_s >= 0.0 && forecast_s <= 60.0, "forecast_s", forecast_s, "0..60");
   require(smoothing_lag_frames >= 0 && smoothing_lag_frames <= 1000, "smoothing_lag_frames", smoothing_lag_frames,
           "0..1000");

@@ -17,8 +17,16 @@ enum class Method {
 struct ObserverOptions {
   Method method = Method::kIekf;
   MeasurementKind measurement = MeasurementKind::kPoses;  ///< raw poses, or the paper's Eq. (11)
-  bool estimate_stiffness = false;                        ///< state layouts; not acted on yet
-  bool estimate_precurvature = false;
+  bool estimate_stiffness = false;                        ///< EI1 and EI2 beside the force (CFSE, Eqs. (14)-(16))
+  bool free_torsion = false;           ///< GJ as well; otherwise it keeps its ratio to EI1 + EI2 (Poisson's ratio)
+  bool estimate_precurvature = false;  ///< k1,0 and k2,0 beside the force
+  bool consider_uncertainty = true;    ///< the catheter file's sigmas widen those of the force (Schmidt-Kalman)
+
+  /// How fast an estimated stiffness may drift, as a share of it: spread of the common rate, and the random walk of
+  /// each besides; and the random walk of an estimated precurvature. Range (0, 10], (0, 10], (0, 1000].
+  double stiffness_rate_per_s = 0.004;
+  double stiffness_drift_per_sqrt_s = 0.001;
+  double precurvature_drift_per_m_sqrt_s = 0.05;
   ForceMotion force_model = ForceMotion::kConstantVelocity;  ///< how the force moves between frames
 
   /// Process noise a tip axis; 0: found from the data, the default. The first one is the random walk's, the second the
@@ -41,6 +49,7 @@ struct ObserverOptions {
   bool report_convergence_index = false;  ///< fill Estimate::convergence; costs a factorisation a frame
 
   MotionOptions motion() const;
+  ParameterChoice parameters() const;
   /// The process noise stated for the force model at hand; 0: to be found.
   double stated_drive() const;
 

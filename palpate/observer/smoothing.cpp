@@ -6,18 +6,21 @@ namespace palpate {
 void SmoothingPass::add(const ForceObserver& observer, const TrackerFrame& frame, const Estimate& estimate) {
   estimates_.push_back(estimate);
   tendons_.push_back(frame.tendon);
-  if (moves_the_clock(estimate.time)) smoother_.push(observer.motion().step(), observer.motion().state());
+  if (moves_the_clock(estimate.time)) smoother_.push(observer.motion().step(), observer.motion().belief());
 }
 
 std::vector<Estimate> SmoothingPass::finish(ForceObserver& observer) {
-  const std::vector<ForceGaussian> smoothed = smoother_.smooth();
+  const std::vector<SmoothedFrame> smoothed = smoother_.smooth();
   std::size_t next = 0;
   for (std::size_t i = 0; i < estimates_.size(); ++i) {
     Estimate& e = estimates_[i];
     if (!moves_the_clock(e.time)) continue;
-    const ForceGaussian& force = smoothed[next++];
+    const SmoothedFrame& frame = smoothed[next++];
+    const ForceGaussian& force = frame.force;
     e.force_tip_N = force.mean_N;
     e.covariance_tip_N2 = force.covariance_N2;
+    e.sigma_by_source_N = observer.uncertainty().budget(frame);
+    e.shaft = observer.uncertainty().shaft(frame);
     e.R_base_tip = observer.R_base_tip(force.mean_N, tendons_[i]);
     e.force_base_N = e.R_base_tip * e.force_tip_N;
   }

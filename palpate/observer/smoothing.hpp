@@ -12,7 +12,8 @@ namespace palpate {
 /// impossible keep what the observer said.
 class SmoothingPass {
  public:
-  explicit SmoothingPass(const ForceObserver& observer) : smoother_(observer.motion().model()) {}
+  explicit SmoothingPass(const ForceObserver& observer)
+      : smoother_(observer.motion().model(), observer.motion().parameters().prior()) {}
 
   /// Right after observer.update(frame) gave `estimate`. About 2 kB a frame (8 kB with rhythm).
   void add(const ForceObserver& observer, const TrackerFrame& frame, const Estimate& estimate);

@@ -95,9 +95,14 @@ void Catheter::validate() const {
   require_sigma("tendon offset_m", tendon.offset_m);
   require_sigma("tendon moment_sigma_fraction", tendon.moment_sigma_fraction);
   require_sigma("stiffness_sigma_fraction", stiffness_sigma_fraction);
+  if (!(stiffness_correlation >= 0.0 && stiffness_correlation <= 0.999))
+    refuse("stiffness_correlation", stiffness_correlation, "0..0.999");
   for (int i = 0; i < 3; ++i) {
     require_sigma(fmt::format("precurvature_sigma_per_m[{}]", i), precurvature_sigma_per_m[i]);
   }
+  require_positive("bias_length_m", bias_length_m);
+  if (!(bias_memory_s > 0.0 && bias_memory_s <= 1e9))
+    refuse("bias_memory_s", bias_memory_s, "more than 0, at most 1e9");
 }
 
 }  // namespace palpate

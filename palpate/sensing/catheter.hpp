@@ -26,8 +26,8 @@ struct Sensor {
   double mount_sigma_m = 0.0;  ///< of the mounting position, per axis
   Vector3d noise_m = Vector3d::Constant(0.28e-3);  ///< white noise of the position, along the base axes
   double noise_rad = 0.17 * kRadiansPerDegree;     ///< white noise of the orientation, per axis
-  double bias_m = 0.0;                             ///< slowly varying accuracy error, rms in 3-D
-  double bias_rad = 0.0;
+  double bias_m = 0.0;    ///< slowly varying accuracy error, rms in 3-D, shared by neighbours (Catheter::bias_length_m)
+  double bias_rad = 0.0;  ///< of the orientation, rms in 3-D, likewise
   std::optional<Pose>
       T_tracker_base;                ///< the clamp in the frame of this sensor's own tracker or image; else the base's
   double delay_s = 0.0;              ///< its time stamps are later than the event by this much
@@ -51,6 +51,8 @@ struct BaseRegistration {
   Pose T_tracker_base;
   double position_sigma_m = 0.0;  ///< per axis
   double rotation_sigma_rad = 0.0;
+  /// Of position [m] and rotation [rad] in base axes, where more is known than the two sigmas tell (a tare).
+  std::optional<Eigen::Matrix<double, 6, 6>> covariance;
   bool tracked = false;  ///< a base sensor gives the pose in every frame instead
   Sensor sensor;         ///< the base sensor (T_local_sensor: its mounting in the clamp frame)
 };
@@ -62,8 +64,11 @@ struct Catheter {
   Tendon tendon;
   std::vector<Sensor> sensors;  ///< on the shaft; the order of readings in a TrackerFrame
   BaseRegistration base;
-  double stiffness_sigma_fraction = 0.0;
+  double stiffness_sigma_fraction = 0.0;  ///< of each of EI1, EI2, GJ
+  double stiffness_correlation = 0.9;     ///< of the three errors with each other: most of them is a common scale
   Vector3d precurvature_sigma_per_m = Vector3d::Zero();
+  double bias_length_m = 0.05;  ///< the tracker's accuracy error is alike over this distance
+  double bias_memory_s = 60.0;  ///< and over this time
 
   /// The clamp in the frame in which `sensor` is measured: its own registration, or the fixed one of the base.
   const Pose& T_tracker_base(const Sensor& sensor) const {

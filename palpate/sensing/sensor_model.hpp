@@ -39,15 +39,17 @@ struct OrientationResidual {
 OrientationResidual orientation_residual(SensorKind kind, const Matrix3d& R_predicted, const Matrix3d& R_measured);
 
 /// Appends a sensor's rows at `row`: position p_measured - p_predicted [m], base components; then orientation [rad].
+/// As many of the N derivatives as the Jacobian has columns.
 template <int N>
 void append_sensor_rows(SensorKind kind, const PredictedSensor<N>& predicted, const Pose& measured, int row,
                         Linearization& at) {
+  const Eigen::Index columns = at.jacobian.cols();
   at.residual.segment<3>(row) = measured.p - predicted.T_base_sensor.p;
-  at.jacobian.template block<3, N>(row, 0) = predicted.position_m;
+  at.jacobian.middleRows<3>(row) = predicted.position_m.leftCols(columns);
   if (kind == SensorKind::kPosition) return;
   const OrientationResidual r = orientation_residual(kind, predicted.T_base_sensor.R, measured.R);
   at.residual.segment(row + 3, r.value.size()) = r.value;
-  at.jacobian.block(row + 3, 0, r.value.size(), N).noalias() = r.D.lazyProduct(predicted.rotation);
+  at.jacobian.middleRows(row + 3, r.value.size()).noalias() = r.D.lazyProduct(predicted.rotation.leftCols(columns));
 }
 
 }  // namespace palpate

@@ -30,6 +30,14 @@ struct TendonReading {
   double sigma_Nm = 0.0;
 };
 
+/// An episode in which the load is known: the tip hangs free, or a dead weight pulls at it.
+struct KnownLoad {
+  bool present = false;
+  bool in_base = false;  ///< base components, otherwise tip components
+  Eigen::Vector3d force_N = Eigen::Vector3d::Zero();
+  double sigma_N = 0.0;  ///< along each axis
+};
+
 /// One instant of a tracker, or of several. `readings` follow Catheter::sensors; the base sensor, if tracked, comes
 /// last.
 struct TrackerFrame {
@@ -37,6 +45,7 @@ struct TrackerFrame {
   std::int64_t number = 0;
   std::vector<SensorReading> readings = {};
   TendonReading tendon = {};
+  KnownLoad known_load = {};
 };
 
 }  // namespace palpate

@@ -15,16 +15,17 @@ using test::Draws;
 struct Trajectory {
   std::vector<MotionStep> steps;
   std::vector<ForceLikelihood> frames;  ///< empty where held
-  std::vector<MotionState> states;
-  std::vector<ForceCorrection> corrections;
+  std::vector<Belief> beliefs;
+  std::vector<Correction> corrections;
 };
 
 Trajectory run_over(const MotionModel& model, int frames, unsigned seed) {
   Draws draws(seed);
   test::DrawnMotion motion(model, draws);
   Trajectory run;
-  MotionState state;
-  model.initial(state);
+  const BeliefModel none(ParameterPrior{});
+  Belief belief;
+  none.initial(model, belief);
   for (int k = 0; k < frames; ++k) {
     MotionStep step;
     step.dt_s = k == 0 ? 0.0 : draws.uniform(0.01, 0.05);
@@ -32,14 +33,16 @@ Trajectory run_over(const MotionModel& model, int frames, unsigned seed) {
     step.rhythm = test::some_rhythm();
     step.jump = k == frames / 2;
     motion.advance(step);
-    model.predict(step, state);
+    none.predict(model, step, belief);
     const bool held = k % 5 == 3;
     const ForceLikelihood y = held ? ForceLikelihood{} : test::measure(motion.seen_N(), test::tip_noise_N2(), draws);
-    ForceCorrection correction;
-    EXPECT_TRUE(condition(model.seen(), posterior_of(force_of(model.seen(), state), y), state, correction));
+    Correction correction;
+    if (!held) {
+      EXPECT_TRUE(none.update(model.seen(), line_of(y, 0), belief, correction));
+    }
     run.steps.push_back(step);
     run.frames.push_back(y);
-    run.states.push_back(state);
+    run.beliefs.push_back(belief);
     run.corrections.push_back(correction);
   }
   return run;
@@ -81,8 +84,10 @@ std::vector<ForceGaussian> batch(const MotionModel& model, const Trajectory& run
 
 std::vector<ForceGaussian> smoothed(const MotionModel& model, const Trajectory& run, std::size_t frames) {
   RecordingSmoother smoother(model);
-  for (std::size_t k = 0; k < frames; ++k) smoother.push(run.steps[k], run.states[k]);
-  return smoother.smooth();
+  for (std::size_t k = 0; k < frames; ++k) smoother.push(run.steps[k], run.beliefs[k]);
+  std::vector<ForceGaussian> out;
+  for (const SmoothedFrame& frame : smoother.smooth()) out.push_back(frame.force);
+  return out;
 }
 
 class Smoothers : public ::testing::TestWithParam<int> {
@@ -108,11 +113,11 @@ TEST_P(Smoothers, FixedLagIsTheRecordingSmootherOfTheDataSoFar) {
   const Trajectory run = run_over(model_, 40, 72);
   FixedLagSmoother lagged(model_, kLag);
   for (std::size_t k = 0; k < run.steps.size(); ++k) {
-    lagged.push(run.steps[k], run.corrections[k], run.states[k]);
+    lagged.push(run.steps[k], run.corrections[k], run.beliefs[k]);
     const std::vector<ForceGaussian> expected = smoothed(model_, run, k + 1);
     ASSERT_EQ(lagged.available(), std::min<int>(static_cast<int>(k) + 1, kLag + 1));
     for (int age = 0; age < lagged.available(); ++age) {
-      const ForceGaussian& a = lagged.force(age);
+      const ForceGaussian a = lagged.force(age, run.beliefs[k]);
       const ForceGaussian& b = expected[k - static_cast<std::size_t>(age)];
       const Vector3d sigma = b.covariance_N2.diagonal().cwiseSqrt();
       const Matrix3d difference = a.covariance_N2 - b.covariance_N2;
@@ -137,21 +142,22 @@ TEST(RecordingSmoother, FirstFramesLearnTheRateFromLaterOnes) {
   options.rate_memory_s = std::numeric_limits<double>::infinity();
   const MotionModel model(options);
   Draws draws(73);
-  MotionState state;
-  model.initial(state);
+  const BeliefModel none(ParameterPrior{});
+  Belief belief;
+  none.initial(model, belief);
   RecordingSmoother smoother(model);
   MotionStep step;
   step.drive.setConstant(1e-6);
   for (int k = 0; k < 200; ++k) {
     step.dt_s = k == 0 ? 0.0 : 0.025;
-    model.predict(step, state);
+    none.predict(model, step, belief);
     const Vector3d truth = Vector3d::Constant(0.1 * 0.025 * k);
-    ForceCorrection correction;
+    Correction correction;
     const ForceLikelihood y = test::measure(truth, 1e-6 * Matrix3d::Identity(), draws);
-    ASSERT_TRUE(condition(model.seen(), posterior_of(force_of(model.seen(), state), y), state, correction));
-    smoother.push(step, state);
+    ASSERT_TRUE(none.update(model.seen(), line_of(y, 0), belief, correction));
+    smoother.push(step, belief);
   }
-  const ForceGaussian first = smoother.smooth().front();
+  const ForceGaussian first = smoother.smooth().front().force;
   const double sigma_N = 1e-3 * 2.0 / std::sqrt(200.0);  // of a line's end through 200 points
   EXPECT_NEAR(std::sqrt(first.covariance_N2(0, 0)) / sigma_N, 1.0, 0.02);
   EXPECT_LT(first.mean_N.norm(), 4.0 * sigma_N * std::sqrt(3.0));

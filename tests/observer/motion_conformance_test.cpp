@@ -62,20 +62,20 @@ TEST_P(EveryLaw, SigmaGrowsWhileFramesAreHeld) {
 /// themselves: both subtract covariances, of sigmas that differ by a factor of a hundred from axis to axis.
 TEST_P(EveryLaw, LaggedForceIsTheSmoothedOneOfTheFramesSoFar) {
   ForceObserver observer(catheter_, options_);
-  RecordingSmoother smoother(observer.motion().model());
+  RecordingSmoother smoother(observer.motion().model(), observer.motion().parameters().prior());
   std::vector<double> times_s;
   const std::vector<TrackerFrame> frames = test::faulty_frames(catheter_);
   for (const TrackerFrame& frame : frames) {
     const Estimate e = observer.update(frame);
     if (e.time <= FrameTime::kResynchronised) {
-      smoother.push(observer.motion().step(), observer.motion().state());
+      smoother.push(observer.motion().step(), observer.motion().belief());
       times_s.push_back(frame.time_s);
     }
     const auto age = static_cast<std::size_t>(e.lagged.age_frames);
     ASSERT_EQ(age, std::min<std::size_t>(times_s.size() - 1, test::kLag));
     if (frame.number % 7 != 0) continue;
     const std::size_t frame_then = times_s.size() - 1 - age;
-    const ForceGaussian expected = smoother.smooth()[frame_then];
+    const ForceGaussian expected = smoother.smooth()[frame_then].force;
     const Vector3d sigma = test::sigma_N(expected.covariance_N2);
     const Matrix3d scale = sigma.cwiseInverse().asDiagonal();
     EXPECT_EQ(e.lagged.time_s, times_s[frame_then]);

@@ -61,7 +61,7 @@ class ShapeModelConformance : public ::testing::TestWithParam<Case> {
   }
 
   Catheter catheter_ = GetParam().make();
-  ShapeModel model_{catheter_, GetParam().kind, Accuracy::kReference};
+  ShapeModel model_{catheter_, GetParam().kind, {}, Accuracy::kReference};
   Measurement measurement_;
 };
 
@@ -247,7 +247,7 @@ TEST(ShapeModel, TendonCoupleActsAsPrecurvatureAndEndMomentDoesNot) {
   catheter.rod.sections[0].precurvature_per_m.setZero();
   const auto residual_with = [&](TendonModel tendon) {
     catheter.tendon = {.present = true, .model = tendon};
-    ShapeModel model(catheter, MeasurementKind::kPoses, Accuracy::kReference);
+    ShapeModel model(catheter, MeasurementKind::kPoses, {}, Accuracy::kReference);
     model.set_tendon_moment({EI1 * k1, 0.0});
     model.select(m, kAll);
     Linearization at;
