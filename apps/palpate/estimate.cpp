@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <palpate/identification/tare.hpp>
 #include <palpate/math/units.hpp>
 #include <palpate/observer/smoothing.hpp>
+#include <palpate/recording/budget_csv.hpp>
 #include <palpate/recording/estimate_csv.hpp>
 
 #include "estimate_input.hpp"
@@ -48,23 +50,43 @@ Catheter corrected_catheter(CatheterFile& file, const TrackerRecording& recordin
   return found.catheter;
 }
 
-int run(const EstimateOptions& options) {
-  check_paths(options);
-  CatheterFile file = read_catheter_file(options.catheter);
-  apply_options(options, file);
-  const TrackerRecording recording = load_recording(options, file, file.warnings);
-  if (options.strict) refuse_passed_over_rows(recording);
+/// What is estimated starts from the catheter file's value and sigma; the observer has a default for the sigma alone.
+void warn_of_states_without_sigma(CatheterFile& file) {
+  const auto warn = [&](std::string_view state, std::string_view key) {
+    file.warnings.push_back(
+        fmt::format("state {}: the catheter file states no {}, so a default is taken for it", state, key));
+  };
+  if (file.observer.estimate_stiffness && file.catheter.stiffness_sigma_fraction == 0.0)
+    warn("stiffness", "stiffness_sigma_percent");
+  if (file.observer.estimate_precurvature && file.catheter.precurvature_sigma_per_m.isZero(0.0))
+    warn("precurvature", "precurvature_sigma_per_m");
+}
 
-  EstimateReport report(recording, options.smooth);
-  if (!options.average.empty()) {
-    const TimeSpan span = parse_time_span("--average", options.average);
-    report.set_average(span.from_s, span.to_s);
+/// What a run writes frame by frame.
+class OutputFiles {
+ public:
+  OutputFiles(const EstimateOptions& options, const ObserverOptions& observer)
+      : estimate_(options.out, EstimateColumns::of(observer)) {
+    if (!options.budget.empty()) budget_.emplace(options.budget);
   }
-  const Catheter catheter = corrected_catheter(file, recording, report);
-  ForceObserver observer(catheter, file.observer);
-  EstimateCsvWriter writer(options.out, options.forecast_s > 0.0);
+  void write(const Estimate& estimate) {
+    estimate_.write(estimate);
+    if (budget_) budget_->write(estimate);
+  }
+  void commit() {
+    estimate_.commit();
+    if (budget_) budget_->commit();
+  }
+
+ private:
+  EstimateCsvWriter estimate_;
+  std::optional<BudgetCsvWriter> budget_;
+};
+
+void estimate_all(const EstimateOptions& options, const TrackerRecording& recording, ForceObserver& observer,
+                  OutputFiles& files, EstimateReport& report) {
   const auto put = [&](const Estimate& estimate, const TrackerFrame& frame) {
-    writer.write(estimate);
+    files.write(estimate);
     report.add(estimate, frame.readings.size());
   };
   SmoothingPass smoothing(observer);
@@ -78,8 +100,27 @@ int run(const EstimateOptions& options) {
   }
   const std::vector<Estimate> smoothed = smoothing.finish(observer);
   for (std::size_t i = 0; i < smoothed.size(); ++i) put(smoothed[i], recording.frames[i]);
+}
+
+int run(const EstimateOptions& options) {
+  check_paths(options);
+  CatheterFile file = read_catheter_file(options.catheter);
+  apply_options(options, file);
+  warn_of_states_without_sigma(file);
+  const TrackerRecording recording = load_recording(options, file, file.warnings);
+  if (options.strict) refuse_passed_over_rows(recording);
+
+  EstimateReport report(recording, options.smooth);
+  if (!options.average.empty()) {
+    const TimeSpan span = parse_time_span("--average", options.average);
+    report.set_average(span.from_s, span.to_s);
+  }
+  const Catheter catheter = corrected_catheter(file, recording, report);
+  ForceObserver observer(catheter, file.observer);
+  OutputFiles files(options, file.observer);
+  estimate_all(options, recording, observer, files, report);
   if (!options.plot.empty()) report.plot(options.plot, catheter.name);
-  writer.commit();
+  files.commit();
   if (2 * report.frames_used() < recording.frames.size())
     file.warnings.push_back(
         fmt::format("{}: only {} of {} frames could be used: is it of this catheter, base and sensors?",

@@ -67,15 +67,20 @@ void check_reach(const Catheter& catheter, const TrackerRecording& recording) {
   }
 }
 
+[[noreturn]] void refuse_span_without_frames(std::string_view what, double from_s, double to_s,
+                                             const TrackerRecording& recording) {
+  throw InputError(fmt::format("{}: {} {}:{} s: expected an interval with frames; the recording goes from {} s to {} s",
+                               recording.source, what, from_s, to_s, recording.frames.front().time_s,
+                               recording.frames.back().time_s));
+}
+
 void check_reference(const ReferenceInterval& reference, const TrackerRecording& recording) {
   if (!reference.given) return;
   const auto inside = [&](const TrackerFrame& frame) {
     return frame.time_s >= reference.from_s && frame.time_s <= reference.to_s;
   };
   if (std::any_of(recording.frames.begin(), recording.frames.end(), inside)) return;
-  throw InputError(fmt::format(
-      "{}: reference {}:{} s: expected an interval with frames; the recording goes from {} s to {} s", recording.source,
-      reference.from_s, reference.to_s, recording.frames.front().time_s, recording.frames.back().time_s));
+  refuse_span_without_frames("reference", reference.from_s, reference.to_s, recording);
 }
 
 /// Times in milliseconds look like frames seconds apart.
@@ -115,8 +120,13 @@ void attach_tendon(const std::string& path, const Catheter& catheter, TrackerRec
   if (outside > 0)
     warnings.push_back(
         fmt::format("{}: {} frames lie outside its time span: the nearest moment was taken", path, outside));
-  warnings.push_back(
-      fmt::format("{}: the moment is used as a known load; its sigma does not widen the force's yet", path));
+}
+
+/// An interval without frames is one of another recording, or of another clock.
+void attach_loads(const std::vector<KnownLoadInterval>& intervals, TrackerRecording& recording) {
+  const std::vector<std::size_t> inside = attach_known_loads(intervals, recording.frames);
+  for (std::size_t i = 0; i < intervals.size(); ++i)
+    if (inside[i] == 0) refuse_span_without_frames("known_load", intervals[i].from_s, intervals[i].to_s, recording);
 }
 
 std::vector<TrackerRecording> read_sources(const EstimateOptions& options, const CatheterFile& file) {
@@ -147,6 +157,7 @@ TrackerRecording load_recording(const EstimateOptions& options, const CatheterFi
   check_reference(file.reference, recording);
   check_reach(file.catheter, recording);
   warnings.insert(warnings.end(), remarks.begin(), remarks.end());
+  attach_loads(file.known_loads, recording);
   attach_tendon(options.tendon, file.catheter, recording, warnings);
   return recording;
 }

@@ -8,9 +8,9 @@
 
 namespace palpate::app {
 
-/// The recording, or several merged by time, in the order of the catheter's sensors, with the tendon's moment in its
-/// frames, checked for what would make the whole run meaningless. Adds to `warnings` what a user should know. Throws
-/// InputError.
+/// The recording, or several merged by time, in the order of the catheter's sensors, with the tendon's moment and
+/// known loads in its frames, checked for what would make the whole run meaningless. Adds to `warnings` what a user
+/// should know. Throws InputError.
 TrackerRecording load_recording(const EstimateOptions& options, const CatheterFile& file,
                                 std::vector<std::string>& warnings);
 

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <filesystem>
 #include <palpate/math/errors.hpp>
+#include <palpate/recording/text_table.hpp>
 #include <vector>
 
 namespace palpate::app {
@@ -97,25 +98,42 @@ void check_paths(const EstimateOptions& options) {
   for (const std::string& recording : options.recordings) refuse_empty("recording", recording);
   refuse_empty("--catheter", options.catheter);
   refuse_empty("--out", options.out);
-  for (const auto& [flag, output] : {std::pair{"--out", &options.out}, {"--plot", &options.plot}}) {
+  for (const auto& [flag, output] :
+       {std::pair{"--out", &options.out}, {"--plot", &options.plot}, {"--budget", &options.budget}}) {
     for (const std::string& recording : options.recordings) refuse_same_file(flag, *output, recording, "the recording");
     refuse_same_file(flag, *output, options.catheter, "the catheter file");
     refuse_same_file(flag, *output, options.tendon, "the tendon CSV");
     refuse_absent_folder(flag, *output);
   }
   refuse_same_file("--plot", options.plot, options.out, "--out");
+  refuse_same_file("--budget", options.budget, options.out, "--out");
+  refuse_same_file("--budget", options.budget, options.plot, "--plot");
   const std::string extension = std::filesystem::path(options.plot).extension().string();
   if (!options.plot.empty() && extension != ".svg" && extension != ".png")
     throw InputError(fmt::format("--plot {}: expected a file name that ends in .svg or .png", options.plot));
 }
 
+namespace {
+
+void apply_state(const std::string& state, ObserverOptions& observer) {
+  if (state.empty()) return;
+  std::vector<std::string> names;
+  for (const std::string_view name : split(state, ',')) names.emplace_back(name);
+  if (!choose_state(names, observer))
+    throw InputError(
+        fmt::format("--state {}: expected force, to which stiffness and precurvature may be added, as in "
+                    "force,stiffness",
+                    printable(state)));
+}
+
+}  // namespace
+
 void apply_options(const EstimateOptions& options, CatheterFile& file) {
   ObserverOptions& observer = file.observer;
   choose("--method", options.method, kMethods, observer.method);
   choose("--measurement", options.measurement, kMeasurements, observer.measurement);
-  if (!options.state.empty() && options.state != "force")
-    throw InputError(fmt::format(
-        "--state {}: expected force; stiffness and precurvature are not estimated by this version", options.state));
+  apply_state(options.state, observer);
+  if (options.no_consider) observer.consider_uncertainty = false;
   choose("--force-model", options.force_model, kForceModels, observer.force_model);
   if (options.smooth && options.forecast_s > 0.0)
     throw InputError(
@@ -144,11 +162,18 @@ void add_estimate_options(CLI::App& verb, EstimateOptions& options) {
   verb.add_option("--measurement", options.measurement, "poses or tip_and_curvature, instead of the catheter file's");
   verb.add_option("--force-model", options.force_model,
                   "random_walk, constant_velocity, gauss_markov or rhythm, instead of the catheter file's");
-  verb.add_option("--state", options.state, "what is estimated: force");
+  verb.add_option(
+      "--state", options.state,
+      "what is estimated: force, or force with stiffness (EI1, EI2), precurvature (k1,0, k2,0), or both, as in "
+      "force,stiffness; instead of the catheter file's");
+  verb.add_flag("--no-consider", options.no_consider,
+                "the catheter file's sigmas are left out: the force's sigma is of noise alone");
   verb.add_option("--reference", options.reference,
                   "FROM:TO in seconds without tip force: corrects base and precurvature");
   verb.add_option("--average", options.average,
                   "FROM:TO in seconds of a load at rest: adds its mean force to the summary");
+  verb.add_option("--budget", options.budget,
+                  "CSV to write: what the sigma of each frame is made of, and what it cannot tell");
   verb.add_option("--plot", options.plot, "draw force and 95 % band over time (.svg or .png)");
   verb.add_flag("--smooth", options.smooth,
                 "use later frames as well: the force of each frame in the light of the whole recording");
@@ -157,7 +182,12 @@ void add_estimate_options(CLI::App& verb, EstimateOptions& options) {
   verb.add_flag("--strict", options.strict, "make every reading that would be passed over an error");
   verb.add_flag("--json", options.json, "print the summary as JSON");
   verb.footer(
-      "Example: palpate estimate --catheter catheter.toml run.tracker.csv --out run.estimate.csv --plot run.svg");
+      "Example: palpate estimate --catheter catheter.toml run.tracker.csv --out run.estimate.csv --plot run.svg\n"
+      "         palpate estimate --catheter catheter.toml run.tracker.csv --tendon run.tendon.csv "
+      "--state force,stiffness --out run.estimate.csv\n"
+      "         palpate estimate --catheter catheter.toml run.tracker.csv --out run.estimate.csv --budget "
+      "run.budget.csv\n"
+      "         palpate estimate --catheter catheter.toml run.tracker.csv --out noise_alone.csv --no-consider");
 }
 
 }  // namespace palpate::app

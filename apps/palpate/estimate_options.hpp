@@ -15,9 +15,9 @@ namespace palpate::app {
 /// The command line of `palpate estimate`, as typed; empty: not given.
 struct EstimateOptions {
   std::vector<std::string> recordings;  ///< of one run, each with its own sensors
-  std::string catheter, out, tendon, method, state, measurement, force_model, reference, average, plot;
+  std::string catheter, out, tendon, method, state, measurement, force_model, reference, average, plot, budget;
   double forecast_s = 0.0;  ///< 0: none
-  bool smooth = false, strict = false, json = false;
+  bool smooth = false, strict = false, json = false, no_consider = false;
 };
 
 void add_estimate_options(CLI::App& verb, EstimateOptions& options);

@@ -7,10 +7,12 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <palpate/evaluation/uncertainty_words.hpp>
 #include <palpate/math/units.hpp>
 #include <palpate/plot/plot.hpp>
 
 #include "estimate_options.hpp"
+#include "uncertainty_json.hpp"
 
 namespace palpate::app {
 
@@ -97,6 +99,7 @@ void EstimateReport::print(const Catheter& catheter, const ObserverOptions& opti
   print_counts(summary);
   print_tare();
   print_figures(summary);
+  fmt::print("{}", in_words(summary.uncertainty, options));
   print_average(catheter);
   fmt::print("written: {}\n", out);
 }
@@ -139,7 +142,6 @@ void EstimateReport::print_figures(const RunSummary& s) const {
   fmt::print("innovation chi-square per degree of freedom {:.2f} (1 is as claimed)\n", s.mean_nis_per_dof);
   fmt::print("convergence index: r^T S r {:.3g} (the paper's, mixed units), r^T S^-1 r {:.3g}\n", s.mean_rho_paper,
              s.mean_rho_normalised);
-  fmt::print("sigma holds sensor noise and the force's own motion, nothing of stiffness, precurvature, base or bias\n");
   fmt::print("rod solutions a frame: median {:.0f}, most {}\n", s.median_evaluations, s.most_evaluations);
 }
 
@@ -192,6 +194,7 @@ void EstimateReport::print_json(const RunSummary& s, const Catheter& catheter, c
   for (std::size_t i = 1; i < kRejections; ++i)
     if (i != static_cast<std::size_t>(Rejection::kAbsent))
       json["readings_not_used"][std::string(describe(static_cast<Rejection>(i)))] = s.readings_by_reason[i];
+  add_uncertainty(s.uncertainty, options, json);
   if (tare_)
     json["tare"] = {{"frames", tare_->frames},
                     {"outliers", tare_->outliers},

@@ -27,6 +27,7 @@ void RunSummaryBuilder::add(const Estimate& estimate, std::size_t readings) {
   if (estimate.time <= FrameTime::kResynchronised)
     for (std::size_t i = 0; i < readings; ++i) ++s.readings_by_reason[static_cast<std::size_t>(estimate.rejections[i])];
 
+  uncertainty_.add(estimate);
   s.last_force_tip_N = estimate.force_tip_N;
   s.last_force_base_N = estimate.force_base_N;
   s.last_sigma_N = estimate.covariance_tip_N2.diagonal().cwiseSqrt();
@@ -53,6 +54,7 @@ RunSummary RunSummaryBuilder::finish() {
   }
   s.median_evaluations = median(evaluations_);
   for (int axis = 0; axis < 3; ++axis) s.median_sigma_N(axis) = median(sigmas_[axis]);
+  s.uncertainty = uncertainty_.finish();
   return s;
 }
 

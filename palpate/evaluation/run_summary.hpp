@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <palpate/evaluation/uncertainty_summary.hpp>
 #include <palpate/observer/estimate.hpp>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct RunSummary {
   double mean_rho_paper = 0.0, mean_rho_normalised = 0.0;  ///< convergence index, section 4.2 of the paper
   double median_evaluations = 0.0;
   int most_evaluations = 0;
+  UncertaintySummary uncertainty;
 };
 
 /// Collects a summary frame by frame; memory grows by a few numbers a frame (for the medians).
@@ -39,6 +41,7 @@ class RunSummaryBuilder {
   std::size_t updated_ = 0;
   std::vector<float> evaluations_;
   std::array<std::vector<float>, 3> sigmas_;
+  UncertaintySummaryBuilder uncertainty_;
 };
 
 }  // namespace palpate

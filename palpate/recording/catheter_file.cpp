@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <palpate/math/errors.hpp>
 #include <palpate/math/units.hpp>
+#include <palpate/recording/catheter_estimator.hpp>
 #include <palpate/recording/catheter_file.hpp>
 #include <palpate/recording/catheter_sensors.hpp>
 #include <palpate/recording/catheter_shaft.hpp>
@@ -12,6 +13,8 @@
 
 namespace palpate {
 namespace {
+
+constexpr NumberRange kTime_s = {-1e15, 1e15, "a time of the recording in seconds"};
 
 [[noreturn]] void refuse_line(const TextFile& file, std::size_t line, std::string_view expectation) {
   throw InputError(fmt::format("{}:{}: line '{}': expected TOML: {}", file.name, line,
@@ -42,7 +45,7 @@ toml::table parse_toml(const TextFile& file) {
   }
 }
 
-void read_tendon(const TomlTable& root, Tendon& tendon, std::vector<std::string>& warnings) {
+void read_tendon(const TomlTable& root, Tendon& tendon) {
   const auto table = root.table("tendon", {"model", "offset_mm", "moment_sigma_percent"});
   if (!table) return;
   tendon.present = true;
@@ -51,109 +54,56 @@ void read_tendon(const TomlTable& root, Tendon& tendon, std::vector<std::string>
   tendon.offset_m =
       table->number("offset_mm", {1e-6, 100.0, "a length in mm, more than 0, at most 100"}, 0.0) * kMetresPerMillimetre;
   tendon.moment_sigma_fraction = 0.01 * table->number("moment_sigma_percent", {0.0, 100.0, "percent, 0..100"}, 0.0);
-  warn_not_acted_on(*table, "moment_sigma_percent", tendon.moment_sigma_fraction > 0.0,
-                    "the force's sigma does not contain it", warnings);
-}
-
-void read_state(const TomlTable& table, ObserverOptions& options, std::vector<std::string>& warnings) {
-  if (!table.has("state")) return;
-  const std::vector<std::string> names = table.texts("state");
-  const auto has = [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); };
-  const bool known = std::all_of(names.begin(), names.end(), [](const std::string& name) {
-    return name == "force" || name == "stiffness" || name == "precurvature";
-  });
-  if (!known || !has("force"))
-    table.refuse("state", "\"force\", to which \"stiffness\", \"precurvature\" may be added");
-  options.estimate_stiffness = has("stiffness");
-  options.estimate_precurvature = has("precurvature");
-  warn_not_acted_on(table, "state", options.estimate_stiffness || options.estimate_precurvature,
-                    "only the force is estimated", warnings);
-}
-
-void read_choices(const TomlTable& table, ObserverOptions& options) {
-  options.method = table.choice<Method>(
-      "method", {{"ekf", Method::kEkf}, {"iekf", Method::kIekf}, {"iaekf", Method::kIaekf}, {"ukf", Method::kUkf}},
-      options.method);
-  options.measurement = table.choice<MeasurementKind>(
-      "measurement", {{"poses", MeasurementKind::kPoses}, {"tip_and_curvature", MeasurementKind::kTipAndCurvature}},
-      options.measurement);
-  options.force_model = table.choice<ForceMotion>("force_model",
-                                                  {{"random_walk", ForceMotion::kRandomWalk},
-                                                   {"gauss_markov", ForceMotion::kGaussMarkov},
-                                                   {"constant_velocity", ForceMotion::kConstantVelocity},
-                                                   {"rhythm", ForceMotion::kRhythm}},
-                                                  options.force_model);
-}
-
-/// How the force moves: [estimator] as far as the motion model goes.
-void read_motion(const TomlTable& table, ObserverOptions& options) {
-  options.force_rate_N_per_sqrt_s =
-      table.number("force_rate_N_per_sqrt_s", {0.0, 100.0, "N/sqrt(s), 0 (found from the data) to 100"},
-                   options.force_rate_N_per_sqrt_s);
-  if (options.force_rate_N_per_sqrt_s > 0.0 && options.force_model != ForceMotion::kRandomWalk)
-    table.refuse("force_rate_N_per_sqrt_s", "force_model = \"random_walk\" beside it, or 0 (found from the data)");
-  options.force_acceleration_N_per_s_sqrt_s =
-      table.number("force_acceleration_N_per_s_sqrt_s", {0.0, 1000.0, "N/(s sqrt(s)), 0 (found from the data) to 1000"},
-                   options.force_acceleration_N_per_s_sqrt_s);
-  if (options.force_acceleration_N_per_s_sqrt_s > 0.0 && options.force_model != ForceMotion::kConstantVelocity &&
-      options.force_model != ForceMotion::kRhythm)
-    table.refuse("force_acceleration_N_per_s_sqrt_s",
-                 "force_model = \"constant_velocity\" or \"rhythm\" beside it, or 0 (found from the data)");
-  options.force_memory_s = table.number("force_memory_s", {1e-3, 1e4, "seconds, 0.001..10000"}, options.force_memory_s);
-  options.disturbance_rms_N =
-      table.number("disturbance_rms_N", {0.0, 1000.0, "a force in N, 0 (none) to 1000"}, options.disturbance_rms_N);
-  options.disturbance_memory_s =
-      table.number("disturbance_memory_s", {1e-3, 1e4, "seconds, 0.001..10000"}, options.disturbance_memory_s);
-}
-
-void read_estimator(const TomlTable& root, ObserverOptions& options, std::vector<std::string>& warnings) {
-  const auto table =
-      root.table("estimator", {"method", "measurement", "state", "force_model", "force_rate_N_per_sqrt_s",
-                               "force_acceleration_N_per_s_sqrt_s", "force_memory_s", "disturbance_rms_N",
-                               "disturbance_memory_s", "initial_force_sigma_N", "max_iterations", "adaptation_window",
-                               "outlier_probability", "jump_probability", "noise_tail_degrees"});
-  if (!table) return;
-  read_choices(*table, options);
-  read_state(*table, options, warnings);
-  read_motion(*table, options);
-  options.initial_force_sigma_N =
-      table->number("initial_force_sigma_N", {1e-12, 1000.0, "a force in N, more than 0, at most 1000"},
-                    options.initial_force_sigma_N);
-  options.max_iterations = table->integer("max_iterations", {1.0, 100.0, "an integer, 1..100"}, options.max_iterations);
-  options.adaptation_window =
-      table->integer("adaptation_window", {5.0, 1000.0, "a number of frames, 5..1000"}, options.adaptation_window);
-  options.outlier_probability = table->number(
-      "outlier_probability", {1e-300, 0.1, "a probability, more than 0, at most 0.1"}, options.outlier_probability);
-  options.jump_probability = table->number("jump_probability", {1e-300, 0.1, "a probability, more than 0, at most 0.1"},
-                                           options.jump_probability);
-  options.noise_tail_degrees =
-      table->number("noise_tail_degrees", {0.0, 100.0, "0 (Gaussian noise) or 1..100"}, options.noise_tail_degrees);
-  if (options.noise_tail_degrees > 0.0 && options.noise_tail_degrees < 1.0)
-    table->refuse("noise_tail_degrees", "0 (Gaussian noise) or 1..100");
 }
 
 void read_reference(const TomlTable& root, ReferenceInterval& reference) {
   const auto table = root.table("reference", {"from_s", "to_s", "shape"});
   if (!table) return;
-  const NumberRange time = {-1e15, 1e15, "a time of the recording in seconds"};
   reference.given = true;
-  reference.from_s = table->number("from_s", time);
-  reference.to_s = table->number("to_s", time);
+  reference.from_s = table->number("from_s", kTime_s);
+  reference.to_s = table->number("to_s", kTime_s);
   if (!(reference.to_s > reference.from_s)) table->refuse("to_s", "a time later than from_s");
   reference.straight = table->choice<bool>("shape", {{"unloaded", false}, {"straight", true}}, false);
+}
+
+KnownLoad read_known_load(const TomlTable& table) {
+  constexpr NumberRange kForce_N = {-1000.0, 1000.0, "a force in N, at most 1000"};
+  const auto in_tip = table.optional_vector<3>("force_tip_N", kForce_N);
+  const auto in_base = table.optional_vector<3>("force_base_N", kForce_N);
+  if (in_tip && in_base) table.refuse("force_base_N", "either force_tip_N or force_base_N");
+  if (!in_tip && !in_base)
+    table.refuse("force_tip_N", "[x, y, z] in N, in the tip's axes, or force_base_N, in the base's");
+  return {.present = true,
+          .in_base = in_base.has_value(),
+          .force_N = in_base ? *in_base : *in_tip,
+          .sigma_N = table.number("sigma_N", {1e-12, 1000.0, "a standard deviation in N, more than 0, at most 1000"})};
+}
+
+void read_known_loads(const TomlTable& root, std::vector<KnownLoadInterval>& intervals) {
+  for (const TomlTable& table :
+       root.tables("known_load", {"from_s", "to_s", "force_tip_N", "force_base_N", "sigma_N"})) {
+    const double from_s = table.number("from_s", kTime_s), to_s = table.number("to_s", kTime_s);
+    if (!(to_s > from_s)) table.refuse("to_s", "a time later than from_s");
+    for (const KnownLoadInterval& other : intervals)
+      if (from_s < other.to_s && other.from_s < to_s)
+        table.refuse("from_s", fmt::format("times outside the other known loads, here {} to {} s overlaps {} to {} s",
+                                           from_s, to_s, other.from_s, other.to_s));
+    intervals.push_back({from_s, to_s, read_known_load(table)});
+  }
 }
 
 CatheterFile read_root(const TomlTable& root) {
   root.number("schema", {1.0, 1.0, "1, the schema this program reads"}, 1.0);
   CatheterFile file;
-  read_shaft(root, file.catheter, file.warnings);
-  read_tendon(root, file.catheter.tendon, file.warnings);
-  read_sensors(root, file.catheter, file.warnings);
-  read_estimator(root, file.observer, file.warnings);
+  read_shaft(root, file.catheter);
+  read_tendon(root, file.catheter.tendon);
+  read_sensors(root, file.catheter);
+  read_estimator(root, file.observer);
   if (const auto recording = root.table("recording", {"ignore_sensors"})) {
     file.ignore_sensors = recording->texts("ignore_sensors");
   }
   read_reference(root, file.reference);
+  read_known_loads(root, file.known_loads);
   return file;
 }
 
@@ -162,9 +112,9 @@ CatheterFile read_root(const TomlTable& root) {
 CatheterFile read_catheter_file(const std::filesystem::path& path) {
   const TextFile text = read_text_file(path);
   const toml::table table = parse_toml(text);
-  CatheterFile file = read_root(
-      TomlTable(table, "", text.name,
-                {"schema", "catheter", "tendon", "gravity", "base", "sensor", "estimator", "recording", "reference"}));
+  CatheterFile file = read_root(TomlTable(table, "", text.name,
+                                          {"schema", "catheter", "tendon", "gravity", "base", "sensor", "estimator",
+                                           "recording", "reference", "tracker", "known_load"}));
   try {
     file.catheter.validate();
     file.observer.validate();
@@ -172,6 +122,19 @@ CatheterFile read_catheter_file(const std::filesystem::path& path) {
     throw InputError(fmt::format("{}: {}", text.name, error.what()));
   }
   return file;
+}
+
+std::vector<std::size_t> attach_known_loads(std::span<const KnownLoadInterval> intervals,
+                                            std::span<TrackerFrame> frames) {
+  std::vector<std::size_t> inside(intervals.size(), 0);
+  for (TrackerFrame& frame : frames) {
+    for (std::size_t i = 0; i < intervals.size(); ++i) {
+      if (!(frame.time_s >= intervals[i].from_s && frame.time_s <= intervals[i].to_s)) continue;
+      frame.known_load = intervals[i].load;
+      ++inside[i];
+    }
+  }
+  return inside;
 }
 
 }  // namespace palpate

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <palpate/observer/options.hpp>
 #include <palpate/sensing/catheter.hpp>
+#include <palpate/sensing/tracker_frame.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,20 +19,33 @@ struct ReferenceInterval {
   bool straight = false;  ///< held straight; otherwise unloaded, in its own precurvature
 };
 
+/// [[known_load]]: part of a recording in which the force on the tip is known, both ends included.
+struct KnownLoadInterval {
+  double from_s = 0.0;
+  double to_s = 0.0;
+  KnownLoad load;
+};
+
 /// A catheter file: one catheter in one setup, and how to estimate with it.
 struct CatheterFile {
   Catheter catheter;
   ObserverOptions observer;
   std::vector<std::string> ignore_sensors;  ///< sensors of the recording that are not on this catheter
   ReferenceInterval reference;
-  std::vector<std::string> warnings;  ///< keys that are read but not acted on yet, one line each
+  std::vector<KnownLoadInterval> known_loads;  ///< none overlaps another
+  std::vector<std::string> warnings;           ///< what a user should know, one line each
 };
 
-/// Reads TOML as formats/catheter.toml shows it. Keys beyond those: sensor.markers, delay_s,
-/// base_quaternion_wxyz, base_position_mm; estimator.force_rate_N_per_sqrt_s,
-/// initial_force_sigma_N, max_iterations, adaptation_window, outlier_probability; recording.ignore_sensors;
-/// reference.from_s, to_s, shape ("unloaded" | "straight").
+/// Reads TOML as formats/catheter.toml shows it, and the keys beyond those that docs/reference/formats.md lists.
 /// Throws InputError `FILE:LINE: KEY = VALUE: expected ...` on anything unknown, missing, mistyped or out of range.
 CatheterFile read_catheter_file(const std::filesystem::path& path);
+
+/// What is estimated, by the words of the catheter file and of --state: "force", to which "stiffness" and
+/// "precurvature" may be added. False, and nothing chosen, where it is another list.
+[[nodiscard]] bool choose_state(std::span<const std::string> names, ObserverOptions& options);
+
+/// Sets TrackerFrame::known_load on the frames inside an interval; returns how many frames each interval holds.
+std::vector<std::size_t> attach_known_loads(std::span<const KnownLoadInterval> intervals,
+                                            std::span<TrackerFrame> frames);
 
 }  // namespace palpate

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <palpate/math/units.hpp>
 #include <palpate/recording/catheter_sensors.hpp>
-#include <palpate/recording/catheter_shaft.hpp>
 
 namespace palpate {
 namespace {
@@ -22,6 +21,8 @@ constexpr NumberRange kSigma_mm = {0.0, 100.0, "a standard deviation in mm, 0..1
 constexpr NumberRange kSigma_deg = {0.0, 90.0, "a standard deviation in degrees, 0..90"};
 constexpr NumberRange kNoise_mm = {1e-9, 50.0, "a standard deviation in mm, more than 0, at most 50 (is it in um?)"};
 constexpr NumberRange kNoise_deg = {1e-9, 90.0, "a standard deviation in degrees, more than 0, at most 90"};
+constexpr NumberRange kBiasLength_mm = {1e-9, 1e6, "a length in mm, more than 0, at most 1e6"};
+constexpr NumberRange kBiasMemory_s = {1e-300, 1e9, "seconds, more than 0, at most 1e9"};
 
 Matrix3d read_rotation(const TomlTable& table, std::string_view key) {
   const auto q = table.optional_vector<4>(key, kQuaternion);
@@ -47,7 +48,7 @@ Vector3d read_position_noise(const TomlTable& table, const Vector3d& fallback_m)
 }
 
 /// What [[sensor]] and a base sensor described in [base] have in common.
-Sensor read_properties(const TomlTable& table, std::string name, std::vector<std::string>& warnings) {
+Sensor read_properties(const TomlTable& table, std::string name) {
   Sensor sensor;
   sensor.name = std::move(name);
   sensor.T_local_sensor.R = read_rotation(table, "mount_quaternion_wxyz");
@@ -59,10 +60,6 @@ Sensor read_properties(const TomlTable& table, std::string name, std::vector<std
   sensor.bias_rad = table.number("bias_deg", kSigma_deg, 0.0) * kRadiansPerDegree;
   sensor.delay_s = table.number("delay_s", kDelay_s, 0.0);
   sensor.markers = table.texts("markers");
-  const std::string_view without = "the force's sigma does not contain it";
-  warn_not_acted_on(table, "mount_sigma_mm", sensor.mount_sigma_m > 0.0, without, warnings);
-  warn_not_acted_on(table, "bias_mm", sensor.bias_m > 0.0, without, warnings);
-  warn_not_acted_on(table, "bias_deg", sensor.bias_rad > 0.0, without, warnings);
   return sensor;
 }
 
@@ -90,9 +87,8 @@ std::optional<Pose> read_own_base(const TomlTable& table, bool is_base) {
   return Pose{read_rotation(table, kKeys[0]), read_position(table, kKeys[1], kBasePosition)};
 }
 
-Sensor read_sensor(const TomlTable& table, const std::string& base_name, double end_mm,
-                   std::vector<std::string>& warnings) {
-  Sensor sensor = read_properties(table, table.text("name"), warnings);
+Sensor read_sensor(const TomlTable& table, const std::string& base_name, double end_mm) {
+  Sensor sensor = read_properties(table, table.text("name"));
   sensor.kind = table.choice<SensorKind>(
       "kind", {{"pose", SensorKind::kPose}, {"pose5", SensorKind::kPose5}, {"position", SensorKind::kPosition}},
       SensorKind::kPose);
@@ -163,19 +159,28 @@ void read_base(const TomlTable& table, BaseRegistration& base) {
 }
 
 /// The base sensor is one of the [[sensor]] entries, or described by [base] itself.
-void finish_base_sensor(const TomlTable& table, const std::vector<std::string>& names, BaseRegistration& base,
-                        std::vector<std::string>& warnings) {
+void finish_base_sensor(const TomlTable& table, const std::vector<std::string>& names, BaseRegistration& base) {
   if (!base.tracked) return;
   if (std::find(names.begin(), names.end(), base.sensor.name) != names.end()) {
     refuse_base_sensor_keys(table, fmt::format("this key in the [[sensor]] entry '{}'", base.sensor.name));
   } else {
-    base.sensor = read_properties(table, base.sensor.name, warnings);
+    base.sensor = read_properties(table, base.sensor.name);
   }
+}
+
+/// How far, in space and time, the tracker's accuracy error stays alike.
+void read_tracker(const TomlTable& root, Catheter& catheter) {
+  const auto table = root.table("tracker", {"bias_length_mm", "bias_memory_s"});
+  if (!table) return;
+  catheter.bias_length_m =
+      table->number("bias_length_mm", kBiasLength_mm, catheter.bias_length_m * kMillimetresPerMetre) *
+      kMetresPerMillimetre;
+  catheter.bias_memory_s = table->number("bias_memory_s", kBiasMemory_s, catheter.bias_memory_s);
 }
 
 }  // namespace
 
-void read_sensors(const TomlTable& root, Catheter& catheter, std::vector<std::string>& warnings) {
+void read_sensors(const TomlTable& root, Catheter& catheter) {
   const TomlTable base = find_base(root);
   read_base(base, catheter.base);
   const double end_mm = (catheter.rod.length_m() + catheter.rod.rigid_tip_m) * kMillimetresPerMetre;
@@ -184,10 +189,11 @@ void read_sensors(const TomlTable& root, Catheter& catheter, std::vector<std::st
        root.tables("sensor", {"name", "kind", "arc_length_mm", "mount_quaternion_wxyz", "mount_position_mm",
                               "mount_sigma_mm", "noise_mm", "noise_axes_mm", "noise_deg", "bias_mm", "bias_deg",
                               "markers", "delay_s", "base_quaternion_wxyz", "base_position_mm"})) {
-    place_sensor(table, read_sensor(table, catheter.base.sensor.name, end_mm, warnings), catheter, names);
+    place_sensor(table, read_sensor(table, catheter.base.sensor.name, end_mm), catheter, names);
   }
   if (catheter.sensors.empty()) root.refuse("sensor", "at least one [[sensor]] on the shaft");
-  finish_base_sensor(base, names, catheter.base, warnings);
+  finish_base_sensor(base, names, catheter.base);
+  read_tracker(root, catheter);
 }
 
 }  // namespace palpate

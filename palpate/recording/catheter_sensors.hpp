@@ -3,12 +3,11 @@
 
 #include <palpate/recording/toml_table.hpp>
 #include <palpate/sensing/catheter.hpp>
-#include <string>
-#include <vector>
 
 namespace palpate {
 
-/// [[sensor]] and [base] of a catheter file. The shaft must have been read: arc lengths are checked against it.
-void read_sensors(const TomlTable& root, Catheter& catheter, std::vector<std::string>& warnings);
+/// [[sensor]], [base] and [tracker] of a catheter file. The shaft must have been read: arc lengths are checked against
+/// it.
+void read_sensors(const TomlTable& root, Catheter& catheter);
 
 }  // namespace palpate

@@ -17,6 +17,7 @@ constexpr NumberRange kModulus = {1e3, 1e13, "a modulus in Pa, 1e3..1e13 (is it 
 constexpr NumberRange kDiameter = {0.05, 200.0, "a diameter in mm, 0.05..200 (is it in metres?)"};
 constexpr NumberRange kPoisson = {-0.99, 0.5, "Poisson's ratio, -0.99..0.5"};
 constexpr NumberRange kPercent = {0.0, 100.0, "percent, 0..100"};
+constexpr NumberRange kCorrelation = {0.0, 0.999, "a correlation, 0..0.999"};
 constexpr NumberRange kCurvature = {-1000.0, 1000.0, "a curvature in 1/m, at most 1000 (is it in 1/mm?)"};
 constexpr NumberRange kCurvatureSigma = {0.0, 1000.0, "a standard deviation in 1/m, 0..1000 (is it in 1/mm?)"};
 constexpr NumberRange kStretch = {0.0, 1e12, "a stiffness in N, 0 or more"};
@@ -168,29 +169,21 @@ void read_weight(const TomlTable& root, const TomlTable& table, Rod& rod) {
   rod.distributed_load_base_N_per_m = weight_N_per_m * direction;
 }
 
-void read_uncertainty(const TomlTable& table, Catheter& catheter, std::vector<std::string>& warnings) {
+void read_uncertainty(const TomlTable& table, Catheter& catheter) {
   catheter.stiffness_sigma_fraction = 0.01 * table.number("stiffness_sigma_percent", kPercent, 0.0);
-  warn_not_acted_on(table, "stiffness_sigma_percent", catheter.stiffness_sigma_fraction > 0.0,
-                    "the force's sigma does not contain it", warnings);
+  catheter.stiffness_correlation = table.number("stiffness_correlation", kCorrelation, catheter.stiffness_correlation);
   catheter.precurvature_sigma_per_m =
       table.optional_vector<3>("precurvature_sigma_per_m", kCurvatureSigma).value_or(Vector3d::Zero());
-  warn_not_acted_on(table, "precurvature_sigma_per_m", !catheter.precurvature_sigma_per_m.isZero(0.0),
-                    "only a [reference] interval uses it, the force's sigma does not contain it", warnings);
 }
 
 }  // namespace
 
-void warn_not_acted_on(const TomlTable& table, std::string_view key, bool matters, std::string_view instead,
-                       std::vector<std::string>& warnings) {
-  if (matters) warnings.push_back(fmt::format("{}: read but not yet acted on: {}", table.describe(key), instead));
-}
-
-void read_shaft(const TomlTable& root, Catheter& catheter, std::vector<std::string>& warnings) {
+void read_shaft(const TomlTable& root, Catheter& catheter) {
   const auto found =
       root.table("catheter", {"name", "length_mm", "bending_stiffness_Nm2", "torsional_stiffness_Nm2", "poisson_ratio",
-                              "youngs_modulus_Pa", "diameter_mm", "stiffness_sigma_percent", "precurvature_per_m",
-                              "precurvature_sigma_per_m", "shear_stiffness_N", "axial_stiffness_N", "weight_N_per_m",
-                              "rigid_tip_mm", "contact_offset_mm", "section"});
+                              "youngs_modulus_Pa", "diameter_mm", "stiffness_sigma_percent", "stiffness_correlation",
+                              "precurvature_per_m", "precurvature_sigma_per_m", "shear_stiffness_N",
+                              "axial_stiffness_N", "weight_N_per_m", "rigid_tip_mm", "contact_offset_mm", "section"});
   if (!found) root.refuse("catheter", "a table [catheter]");
   const TomlTable& table = *found;
   catheter.name = table.text("name", "");
@@ -205,7 +198,7 @@ void read_shaft(const TomlTable& root, Catheter& catheter, std::vector<std::stri
       table.optional_vector<3>("contact_offset_mm", kOffset).value_or(end_of_tip_mm) * kMetresPerMillimetre;
   read_shear(table, rod);
   read_weight(root, table, rod);
-  read_uncertainty(table, catheter, warnings);
+  read_uncertainty(table, catheter);
 }
 
 }  // namespace palpate

@@ -9,17 +9,38 @@
 
 namespace palpate {
 
-EstimateCsvWriter::EstimateCsvWriter(const std::filesystem::path& path, bool with_forecast)
-    : file_(path), with_forecast_(with_forecast) {
+EstimateColumns EstimateColumns::of(const ObserverOptions& options) {
+  return {.stiffness = options.estimate_stiffness,
+          .torsion = options.estimate_stiffness && options.free_torsion,
+          .precurvature = options.estimate_precurvature,
+          .forecast = options.forecast_s > 0.0};
+}
+
+EstimateCsvWriter::EstimateCsvWriter(const std::filesystem::path& path, const EstimateColumns& columns)
+    : file_(path), columns_(columns) {
   file_.write(
       "time_s,fx_tip_N,fy_tip_N,fz_tip_N,sigma_x_N,sigma_y_N,sigma_z_N,cov_xy_N2,cov_xz_N2,cov_yz_N2,"
       "fx_base_N,fy_base_N,fz_base_N,status,sensors_used,nis,dof,evaluations");
-  if (with_forecast_)
+  if (columns_.stiffness) file_.write(",EI1_Nm2,sigma_EI1_Nm2,EI2_Nm2,sigma_EI2_Nm2");
+  if (columns_.torsion) file_.write(",GJ_Nm2,sigma_GJ_Nm2");
+  if (columns_.precurvature) file_.write(",k1_0_per_m,sigma_k1_0_per_m,k2_0_per_m,sigma_k2_0_per_m");
+  if (columns_.forecast)
     file_.write(
         ",forecast_fx_tip_N,forecast_fy_tip_N,forecast_fz_tip_N,forecast_sigma_x_N,forecast_sigma_y_N,"
         "forecast_sigma_z_N");
   file_.write("\n");
 }
+
+namespace {
+
+/// `count` of the values from `first` on, each followed by its sigma.
+std::string with_sigmas(const Vector3d& values, const Vector3d& sigmas, int first, int count) {
+  std::string text;
+  for (int i = first; i < first + count; ++i) text += fmt::format(",{:.9g},{:.9g}", values(i), sigmas(i));
+  return text;
+}
+
+}  // namespace
 
 void EstimateCsvWriter::write(const Estimate& e) {
   const Vector3d &f = e.force_tip_N, &b = e.force_base_N;
@@ -29,7 +50,11 @@ void EstimateCsvWriter::write(const Estimate& e) {
       "{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{},{},{:.6g},{},{}",
       e.time_s, f.x(), f.y(), f.z(), sigma.x(), sigma.y(), sigma.z(), P(0, 1), P(0, 2), P(1, 2), b.x(), b.y(), b.z(),
       describe(e.status), e.sensors_used, e.nis, e.dof, e.evaluations));
-  if (with_forecast_) {
+  const ShaftEstimate& shaft = e.shaft;
+  if (columns_.stiffness) file_.write(with_sigmas(shaft.stiffness_Nm2, shaft.stiffness_sigma_Nm2, 0, 2));
+  if (columns_.torsion) file_.write(with_sigmas(shaft.stiffness_Nm2, shaft.stiffness_sigma_Nm2, 2, 1));
+  if (columns_.precurvature) file_.write(with_sigmas(shaft.precurvature_per_m, shaft.precurvature_sigma_per_m, 0, 2));
+  if (columns_.forecast) {
     const Vector3d &ahead = e.forecast.mean_N, ahead_sigma = e.forecast.covariance_N2.diagonal().cwiseSqrt();
     file_.write(fmt::format(",{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}", ahead.x(), ahead.y(), ahead.z(),
                             ahead_sigma.x(), ahead_sigma.y(), ahead_sigma.z()));

@@ -3,24 +3,36 @@
 
 #include <filesystem>
 #include <palpate/observer/estimate.hpp>
+#include <palpate/observer/options.hpp>
 #include <palpate/recording/output_file.hpp>
 #include <string>
 #include <vector>
 
 namespace palpate {
 
+/// Which columns an estimate CSV has behind those of the contract.
+struct EstimateColumns {
+  bool stiffness = false;     ///< EI1_Nm2, EI2_Nm2, each followed by its sigma
+  bool torsion = false;       ///< GJ_Nm2 likewise
+  bool precurvature = false;  ///< k1_0_per_m, k2_0_per_m likewise
+  bool forecast = false;      ///< the forecast force (tip) [N] and its sigma [N]
+
+  /// What is estimated, or asked for.
+  static EstimateColumns of(const ObserverOptions& options);
+};
+
 /// Writes one row for every frame. The header is part of the format contract:
 /// time_s, force (tip) [N], sigma [N], covariances [N^2], force (base) [N], status, sensors_used, nis, dof,
-/// evaluations; where asked for, the forecast force (tip) [N] and its sigma [N].
+/// evaluations; then EstimateColumns.
 class EstimateCsvWriter {
  public:
-  explicit EstimateCsvWriter(const std::filesystem::path& path, bool with_forecast = false);
+  explicit EstimateCsvWriter(const std::filesystem::path& path, const EstimateColumns& columns = {});
   void write(const Estimate& estimate);
   void commit() { file_.commit(); }
 
  private:
   OutputFile file_;
-  bool with_forecast_;
+  EstimateColumns columns_;
 };
 
 /// What is needed of an estimate to judge it.

@@ -89,17 +89,30 @@ TEST_F(BadCatheter, LacksSomething) {
             "c.toml:12: sensor.name = (absent): expected a text in quotes, not empty");
 }
 
-// What the program reads but does not act on yet is said, and not in the way of a program that reads the summary.
-TEST_F(BadCatheter, WarnsOfKeysWithoutEffectOnStderr) {
-  write_catheter("noise_deg = 0.17", "noise_deg = 0.17\nbias_mm = 0.4");
-  const auto run = estimate({"--json"});
+// A warning is said on stderr, and not in the way of a program that reads the summary.
+TEST_F(BadCatheter, WarnsOfAStateWithoutASigma) {
+  const auto run = estimate({"--state", "force,stiffness,precurvature", "--json"});
   EXPECT_EQ(run.exit_code, 0);
-  EXPECT_EQ(run.err,
-            "palpate: warning: c.toml:18: sensor.bias_mm = 0.4: read but not yet acted on: the force's sigma does not "
-            "contain it\n");
+  EXPECT_EQ(
+      run.err,
+      "palpate: warning: state stiffness: the catheter file states no stiffness_sigma_percent, so a default is "
+      "taken for it\n"
+      "palpate: warning: state precurvature: the catheter file states no precurvature_sigma_per_m, so a default is "
+      "taken for it\n");
   EXPECT_TRUE(nlohmann::json::accept(run.out)) << run.out;
   write("r.csv", "");
-  EXPECT_EQ(estimate_refusal(), "r.csv: is empty: expected lines of text");  // one line: no warning before the error
+  EXPECT_EQ(estimate_refusal({"--state", "force,stiffness"}),
+            "r.csv: is empty: expected lines of text");  // one line: no warning before the error
+}
+
+TEST_F(BadCatheter, HasAKnownLoadOfAnotherTime) {
+  const auto load = [](const std::string& times) {
+    return "[[known_load]]\n" + times + "\nforce_tip_N = [0, 0, 0]\nsigma_N = 0.01\n[base]";
+  };
+  EXPECT_EQ(refusal_with("[base]", load("from_s = 50\nto_s = 60")),
+            "r.csv: known_load 50:60 s: expected an interval with frames; the recording goes from 0 s to 3.975 s");
+  write_catheter("[base]", load("from_s = 0\nto_s = 0.5"));
+  EXPECT_EQ(estimate().exit_code, 0);
 }
 
 }  // namespace

@@ -52,8 +52,10 @@ TEST_F(CommandLine, WrongValues) {
   EXPECT_EQ(estimate_refusal({"--method", "iefk"}), "--method iefk: expected one of ekf, iekf, iaekf, ukf");
   EXPECT_EQ(estimate_refusal({"--measurement", "pose"}),
             "--measurement pose: expected one of poses, tip_and_curvature");
-  EXPECT_EQ(estimate_refusal({"--state", "force,stiffness"}),
-            "--state force,stiffness: expected force; stiffness and precurvature are not estimated by this version");
+  for (const char* state : {"stiffness", "force,tendon", "force,", ",", "Force"})
+    EXPECT_EQ(estimate_refusal({"--state", state}),
+              std::string("--state ") + state +
+                  ": expected force, to which stiffness and precurvature may be added, as in force,stiffness");
   EXPECT_EQ(estimate_refusal({"--force-model", "walk"}),
             "--force-model walk: expected one of random_walk, constant_velocity, gauss_markov, rhythm");
   EXPECT_EQ(estimate_refusal({"--forecast", "-1"}), "--forecast -1: expected seconds, 0 to 60");
@@ -70,6 +72,13 @@ TEST_F(CommandLine, WrongValues) {
 TEST_F(CommandLine, OutputsThatCannotBe) {
   EXPECT_EQ(estimate_refusal({"--plot", "p.pdf"}), "--plot p.pdf: expected a file name that ends in .svg or .png");
   EXPECT_EQ(estimate_refusal({"--plot", "no/p.svg"}), "--plot no/p.svg: expected the folder no to exist");
+  EXPECT_EQ(estimate_refusal({"--budget", "no/b.csv"}), "--budget no/b.csv: expected the folder no to exist");
+  EXPECT_EQ(estimate_refusal({"--budget", "r.csv"}), "--budget r.csv: expected another file than the recording");
+  EXPECT_EQ(estimate_refusal({"--budget", "c.toml"}), "--budget c.toml: expected another file than the catheter file");
+  EXPECT_EQ(estimate_refusal({"--budget", "./e.csv"}), "--budget ./e.csv: expected another file than --out");
+  EXPECT_EQ(estimate_refusal({"--plot", "p.svg", "--budget", "p.svg"}),
+            "--budget p.svg: expected another file than --plot");
+  EXPECT_EQ(estimate_refusal({"--budget", "/proc/b.csv"}), "/proc/b.csv: cannot be written: No such file or directory");
   const auto out = [](const char* name) {
     return Arguments{"estimate", "--catheter", "c.toml", "r.csv", "--out", name};
   };

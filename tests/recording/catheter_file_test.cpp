@@ -71,8 +71,8 @@ TEST_F(CatheterFiles, TheContractsExampleIsRead) {
   EXPECT_EQ(file.catheter.precurvature_sigma_per_m, Vector3d(0.5, 0.5, 0.2));
   EXPECT_TRUE(file.catheter.tendon.present);
   EXPECT_DOUBLE_EQ(file.catheter.base.position_sigma_m, 0.3e-3);
-  EXPECT_EQ(file.warnings.size(), 3u);
-  EXPECT_THAT(file.warnings[0], HasSubstr("catheter.stiffness_sigma_percent = 5: read but not yet acted on"));
+  EXPECT_DOUBLE_EQ(file.catheter.tendon.moment_sigma_fraction, 0.02);
+  EXPECT_TRUE(file.warnings.empty());
 }
 
 TEST_F(CatheterFiles, EveryOptionalKeyOfTheShaft) {
@@ -227,26 +227,87 @@ shape = "straight"
   EXPECT_TRUE(file.warnings.empty());
 }
 
-TEST_F(CatheterFiles, WarnsOfWhatIsNotActedOn) {
-  const CatheterFile file = read(std::string(kPlain) + R"(mount_sigma_mm = 0.1
+TEST_F(CatheterFiles, WhatIsNotKnownExactly) {
+  const CatheterFile plain = read(kPlain);
+  EXPECT_EQ(plain.catheter.stiffness_correlation, 0.9);
+  EXPECT_DOUBLE_EQ(plain.catheter.bias_length_m, 0.05);
+  EXPECT_EQ(plain.catheter.bias_memory_s, 60.0);
+  const CatheterFile file = read(with("length_mm = 70.0", R"(length_mm = 70
+stiffness_sigma_percent = 5
+stiffness_correlation = 0.5
+precurvature_sigma_per_m = [0.5, 0.4, 0.2])") +
+                                 R"(mount_sigma_mm = 0.1
 bias_mm = 0.48
 bias_deg = 0.3
+[tracker]
+bias_length_mm = 80
+bias_memory_s = 1e9
 [tendon]
 moment_sigma_percent = 2
-[estimator]
-method = "ukf"
-state = ["force", "stiffness"]
-force_model = "rhythm"
+)");
+  EXPECT_DOUBLE_EQ(file.catheter.stiffness_sigma_fraction, 0.05);
+  EXPECT_EQ(file.catheter.stiffness_correlation, 0.5);
+  EXPECT_EQ(file.catheter.precurvature_sigma_per_m, Vector3d(0.5, 0.4, 0.2));
+  EXPECT_DOUBLE_EQ(file.catheter.sensors[0].mount_sigma_m, 1e-4);
+  EXPECT_DOUBLE_EQ(file.catheter.sensors[0].bias_m, 0.48e-3);
+  EXPECT_DOUBLE_EQ(file.catheter.bias_length_m, 0.08);
+  EXPECT_EQ(file.catheter.bias_memory_s, 1e9);
+  EXPECT_TRUE(file.warnings.empty()) << "all of this widens the force's sigma";
+
+  EXPECT_EQ(error("70.0", "70.0\nstiffness_correlation = 1.0"),
+            "c.toml:4: catheter.stiffness_correlation = 1: expected a correlation, 0..0.999");
+  const auto tracker_error = [&](const std::string& key) {
+    return error_of([&] { read(std::string(kPlain) + "[tracker]\n" + key + "\n"); });
+  };
+  EXPECT_EQ(tracker_error("bias_length_mm = 0"),
+            "c.toml:15: tracker.bias_length_mm = 0: expected a length in mm, more than 0, at most 1e6");
+  EXPECT_EQ(tracker_error("bias_memory_s = 2e9"),
+            "c.toml:15: tracker.bias_memory_s = 2000000000: expected seconds, more than 0, at most 1e9");
+  EXPECT_EQ(tracker_error("bias_memory_s = \"1 min\""),
+            "c.toml:15: tracker.bias_memory_s = \"1 min\": expected seconds, more than 0, at most 1e9, as a number "
+            "without quotes");
+  EXPECT_EQ(tracker_error("bias_lenght_mm = 50"),
+            "c.toml:15: tracker.bias_lenght_mm = 50: expected a known key; did you mean bias_length_mm?");
+}
+
+TEST_F(CatheterFiles, EstimatedParameters) {
+  const ObserverOptions defaults;
+  const CatheterFile plain = read(std::string(kPlain) + "[estimator]\n");
+  EXPECT_FALSE(plain.observer.estimate_stiffness || plain.observer.estimate_precurvature);
+  EXPECT_FALSE(plain.observer.free_torsion);
+  EXPECT_TRUE(plain.observer.consider_uncertainty);
+  EXPECT_EQ(plain.observer.stiffness_drift_per_sqrt_s, defaults.stiffness_drift_per_sqrt_s);
+  EXPECT_EQ(plain.observer.precurvature_drift_per_m_sqrt_s, defaults.precurvature_drift_per_m_sqrt_s);
+  const CatheterFile file = read(std::string(kPlain) + R"([estimator]
+state = ["precurvature", "stiffness", "force"]
+torsion = "free"
+consider = false
+stiffness_drift_percent_per_sqrt_s = 2.0
+precurvature_drift_per_m_sqrt_s = 0.3
 )");
   EXPECT_TRUE(file.observer.estimate_stiffness);
-  const std::string without = ": read but not yet acted on: the force's sigma does not contain it";
-  EXPECT_THAT(
-      file.warnings,
-      ElementsAre(HasSubstr(":18: tendon.moment_sigma_percent = 2" + without),
-                  HasSubstr(":14: sensor.mount_sigma_mm = 0.1" + without),
-                  HasSubstr(":15: sensor.bias_mm = 0.48" + without), HasSubstr(":16: sensor.bias_deg = 0.3" + without),
-                  HasSubstr(":21: estimator.state = [\"force\", \"stiffness\"]: read but not yet acted on: only the "
-                            "force is estimated")));
+  EXPECT_TRUE(file.observer.estimate_precurvature);
+  EXPECT_TRUE(file.observer.free_torsion);
+  EXPECT_FALSE(file.observer.consider_uncertainty);
+  EXPECT_DOUBLE_EQ(file.observer.stiffness_drift_per_sqrt_s, 0.02);
+  EXPECT_EQ(file.observer.precurvature_drift_per_m_sqrt_s, 0.3);
+  EXPECT_TRUE(file.warnings.empty());
+
+  const auto estimator_error = [&](const std::string& key) {
+    return error_of([&] { read(std::string(kPlain) + "[estimator]\n" + key + "\n"); });
+  };
+  EXPECT_EQ(estimator_error("state = [\"stiffness\"]"),
+            "c.toml:15: estimator.state = [\"stiffness\"]: expected \"force\", to which \"stiffness\", "
+            "\"precurvature\" may be added");
+  EXPECT_EQ(estimator_error("torsion = \"loose\""),
+            "c.toml:15: estimator.torsion = \"loose\": expected one of 'tied', 'free'");
+  EXPECT_EQ(estimator_error("consider = \"no\""), "c.toml:15: estimator.consider = \"no\": expected true or false");
+  EXPECT_EQ(
+      estimator_error("stiffness_drift_percent_per_sqrt_s = 0"),
+      "c.toml:15: estimator.stiffness_drift_percent_per_sqrt_s = 0: expected %/sqrt(s), more than 0, at most 1000");
+  EXPECT_EQ(estimator_error("precurvature_drift_per_m_sqrt_s = 1001"),
+            "c.toml:15: estimator.precurvature_drift_per_m_sqrt_s = 1001: expected 1/(m sqrt(s)), more than 0, at most "
+            "1000");
 }
 
 TEST_F(CatheterFiles, UnknownKeysSuggestTheNearest) {

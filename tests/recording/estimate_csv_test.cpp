@@ -16,8 +16,8 @@ constexpr std::string_view kHeader =
 
 class EstimateCsv : public test::TemporaryFolder {
  protected:
-  std::filesystem::path written(const std::vector<Estimate>& estimates) const {
-    EstimateCsvWriter writer(path("e.csv"));
+  std::filesystem::path written(const std::vector<Estimate>& estimates, const EstimateColumns& columns = {}) const {
+    EstimateCsvWriter writer(path("e.csv"), columns);
     for (const Estimate& e : estimates) writer.write(e);
     writer.commit();
     return path("e.csv");
@@ -41,6 +41,45 @@ TEST_F(EstimateCsv, HeaderAndRowAreTheContracts) {
   EXPECT_EQ(contents(written({e})),
             std::string(kHeader) +
                 "\n0.025,0.1,-0.02,0.003,0.01,0.02,0.03,2e-05,3e-05,4e-05,1,2,-3.5,UPDATED,2,11.25,12,3\n");
+}
+
+TEST_F(EstimateCsv, EstimatedParametersFollowEachWithItsSigma) {
+  Estimate e;
+  e.status = EstimateStatus::kUpdated;
+  e.shaft = {.stiffness_Nm2 = {2.5e-4, 1.5e-4, 2e-4},
+             .stiffness_sigma_Nm2 = {1e-5, 2e-5, 3e-5},
+             .precurvature_per_m = {40, -0.5, 9},
+             .precurvature_sigma_per_m = {0.5, 0.25, 9}};
+  e.forecast = {.mean_N = {1, 2, 3}, .covariance_N2 = Matrix3d::Identity()};
+  const std::string row = "0,0,0,0,0,0,0,0,0,0,0,0,0,UPDATED,0,0,0,0";
+  const std::string forecast =
+      ",forecast_fx_tip_N,forecast_fy_tip_N,forecast_fz_tip_N,forecast_sigma_x_N,forecast_sigma_y_N,forecast_sigma_z_N";
+  const auto text = [&](const EstimateColumns& columns) { return contents(written({e}, columns)); };
+  const std::string header(kHeader);
+  EXPECT_EQ(text({.stiffness = true}),
+            header + ",EI1_Nm2,sigma_EI1_Nm2,EI2_Nm2,sigma_EI2_Nm2\n" + row + ",0.00025,1e-05,0.00015,2e-05\n");
+  EXPECT_EQ(text({.precurvature = true}),
+            header + ",k1_0_per_m,sigma_k1_0_per_m,k2_0_per_m,sigma_k2_0_per_m\n" + row + ",40,0.5,-0.5,0.25\n");
+  EXPECT_EQ(text({.stiffness = true, .torsion = true, .precurvature = true, .forecast = true}),
+            header +
+                ",EI1_Nm2,sigma_EI1_Nm2,EI2_Nm2,sigma_EI2_Nm2,GJ_Nm2,sigma_GJ_Nm2,k1_0_per_m,sigma_k1_0_per_m,"
+                "k2_0_per_m,sigma_k2_0_per_m" +
+                forecast + "\n" + row + ",0.00025,1e-05,0.00015,2e-05,0.0002,3e-05,40,0.5,-0.5,0.25,1,2,3,1,1,1\n");
+  EXPECT_EQ(read_estimate_csv(path("e.csv")).size(), 1U);
+}
+
+TEST_F(EstimateCsv, ColumnsFollowTheOptions) {
+  ObserverOptions options;
+  options.free_torsion = true;
+  const EstimateColumns plain = EstimateColumns::of(options);
+  EXPECT_FALSE(plain.stiffness || plain.torsion || plain.precurvature || plain.forecast) << "no stiffness, no torsion";
+  options.estimate_stiffness = true;
+  options.forecast_s = 0.1;
+  const EstimateColumns more = EstimateColumns::of(options);
+  EXPECT_TRUE(more.stiffness && more.torsion && more.forecast);
+  EXPECT_FALSE(more.precurvature);
+  options.free_torsion = false;
+  EXPECT_FALSE(EstimateColumns::of(options).torsion);
 }
 
 /// Forces are written with nine digits, sigmas and covariances with six.
