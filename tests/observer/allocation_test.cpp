@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <ostream>
 #include <tests/observer/allocation_counter.hpp>
-#include <tests/observer/runs.hpp>
+#include <tests/observer/layouts.hpp>
 
 /// ForceObserver::update does not touch the heap, whatever the frame.
 namespace palpate {
@@ -60,15 +60,40 @@ std::vector<Case> cases() {
   return all;
 }
 
+/// Everything uncertain, a tendon, episodes of known load, fixed lag: every number that a frame can bring.
+std::vector<Case> layout_cases() {
+  std::vector<Case> all;
+  const std::pair<std::string, Catheter> setups[] = {
+      {"two", test::two_sensors()},
+      {"mixed", test::mixed_sensors()},
+      {"eight", test::with_tracked_base(test::eight_sensors())},
+  };
+  for (const test::Filter& filter : test::every_filter())
+    for (const auto& [name, catheter] : setups) {
+      if (name == "eight" && std::string_view(filter.layout.name) != "all") continue;  // the largest of all is enough
+      ObserverOptions options = filter.options();
+      options.forecast_s = 0.1;
+      options.smoothing_lag_frames = 12;
+      options.report_convergence_index = true;
+      const Catheter uncertain = test::with_tendon(test::with_every_sigma(catheter));
+      all.push_back({name + "_" + filter.name() + "_poses", uncertain, options});
+      options.measurement = MeasurementKind::kTipAndCurvature;
+      if (name == "two") all.push_back({name + "_" + filter.name() + "_curvature", uncertain, options});
+    }
+  return all;
+}
+
 class NoAllocation : public ::testing::TestWithParam<Case> {};
 
-/// Good frames, missing readings, outliers, a jump, frames without sensors, impossible times, a tendon moment.
+/// Good frames, missing readings, outliers, a jump, frames without sensors, impossible times, a tendon moment,
+/// where the catheter has a tendon known loads too.
 TEST_P(NoAllocation, InAnyUpdate) {
   const auto& [name, catheter, options] = GetParam();
   auto jumping = [](double time_s) -> Vector3d {
     return time_s < 0.5 ? beating_wall_force(time_s) : Vector3d(0.02, -0.1, -0.08);
   };
   auto recording = simulate_tracker(catheter, jumping, {.duration_s = 1.0, .missing_share = 0.1, .outlier_share = 0.1});
+  if (catheter.tendon.present) test::add_loads(catheter, recording.frames);
   for (SensorReading& reading : recording.frames[12].readings) reading = SensorReading{};
   recording.frames[20].time_s = -1.0;
   recording.frames[21].time_s = std::numeric_limits<double>::quiet_NaN();
@@ -88,6 +113,8 @@ TEST_P(NoAllocation, InAnyUpdate) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, NoAllocation, ::testing::ValuesIn(cases()),
+                         [](const auto& test_case) { return test_case.param.name; });
+INSTANTIATE_TEST_SUITE_P(EveryLayout, NoAllocation, ::testing::ValuesIn(layout_cases()),
                          [](const auto& test_case) { return test_case.param.name; });
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <ostream>
 #include <tests/observer/allocation_counter.hpp>
-#include <tests/observer/runs.hpp>
+#include <tests/observer/layouts.hpp>
 #include <tests/shared_recordings.hpp>
 
 /// One update does a bounded amount of work and does not touch the heap, whatever it is shown.
@@ -14,6 +14,11 @@ namespace {
 
 using test::Draws;
 
+int most_evaluations(const Catheter& catheter, const ObserverOptions& options) {
+  const UncertainParameters parameters = uncertain_parameters(catheter, options.parameters());
+  return FrameExplainer::most_evaluations(options, static_cast<int>(catheter.sensors.size()), 3 + parameters.rod_count);
+}
+
 /// What the updates of one stream took.
 struct Work {
   int most = 0, bound = 0;
@@ -21,7 +26,7 @@ struct Work {
   std::size_t allocations = 0;
 
   Work(const Catheter& catheter, const ObserverOptions& options, const std::vector<TrackerFrame>& frames)
-      : bound(FrameExplainer::most_evaluations(options, static_cast<int>(catheter.sensors.size()))) {
+      : bound(most_evaluations(catheter, options)) {
     ForceObserver observer(catheter, options);
     for (const TrackerFrame& frame : frames) {
       const test::CountAllocations count;
@@ -106,20 +111,42 @@ std::vector<Setup> setups() {
 
 class BoundedWork : public ::testing::TestWithParam<Method> {};
 
+using Stream = std::vector<TrackerFrame> (*)(const Catheter&, Draws&);
+constexpr std::pair<const char*, Stream> kStreams[] = {{"random poses", random_poses},
+                                                       {"far-apart forces", far_apart_forces},
+                                                       {"lone outliers", lone_outliers},
+                                                       {"one good sensor", one_good_sensor}};
+
 TEST_P(BoundedWork, InAdversarialStreams) {
-  using Stream = std::vector<TrackerFrame> (*)(const Catheter&, Draws&);
-  const std::pair<const char*, Stream> streams[] = {{"random poses", random_poses},
-                                                    {"far-apart forces", far_apart_forces},
-                                                    {"lone outliers", lone_outliers},
-                                                    {"one good sensor", one_good_sensor}};
   for (const MeasurementKind kind : {MeasurementKind::kPoses, MeasurementKind::kTipAndCurvature})
     for (const auto& [setup, catheter] : setups())
-      for (const auto& [stream, make] : streams) {
+      for (const auto& [stream, make] : kStreams) {
         const bool raw = kind == MeasurementKind::kPoses;
         if (!raw && catheter.sensors[0].kind != SensorKind::kPose) continue;  // the paper's vector needs the tip's pose
         Draws draws(91);
         Work(catheter, {.method = GetParam(), .measurement = kind}, make(catheter, draws))
             .judge(fmt::format("{} {} {}: {}", test::name_of(GetParam()), raw ? "poses" : "curvature", setup, stream));
+      }
+}
+
+/// Up to twelve states: every sigma stated, a tendon that is read now and then, a load that is known now and then, lag.
+/// Two sensors in every layout; eight, whose updates take longest, in the largest. A few frames of each.
+TEST_P(BoundedWork, InEveryLayout) {
+  for (const test::Layout& layout : test::kEveryLayout)
+    for (const auto& [stream, make] : {kStreams[0], kStreams[3]})
+      for (const bool eight : {false, true}) {
+        if (eight && std::string_view(layout.name) != "all") continue;
+        const Catheter certain = eight ? test::eight_sensors() : test::two_sensors();
+        const Catheter catheter = test::with_tendon(test::with_every_sigma(certain));
+        Draws draws(93);
+        std::vector<TrackerFrame> frames = make(catheter, draws);
+        test::add_loads(catheter, frames);
+        frames.resize(eight ? 2 : 6);  // the sixth knows the load
+        ObserverOptions options = layout.of({.method = GetParam()});
+        options.smoothing_lag_frames = 5;
+        Work(catheter, options, frames)
+            .judge(
+                fmt::format("{} {} {}: {}", test::name_of(GetParam()), layout.name, eight ? "eight" : "two", stream));
       }
 }
 

@@ -44,6 +44,10 @@ TEST(ObserverOptions, ValidateNamesFieldValueAndRange) {
             "observer options: disturbance_rms_N = nan: expected 0 (none) to 1000");
   EXPECT_EQ(error_after([](ObserverOptions& o) { o.disturbance_memory_s = 0.0; }),
             "observer options: disturbance_memory_s = 0: expected 0.001..10000");
+  EXPECT_EQ(error_after([](ObserverOptions& o) { o.stiffness_drift_per_sqrt_s = 0.0; }),
+            "observer options: stiffness_drift_per_sqrt_s = 0: expected more than 0, at most 10");
+  EXPECT_EQ(error_after([](ObserverOptions& o) { o.precurvature_drift_per_m_sqrt_s = std::nan(""); }),
+            "observer options: precurvature_drift_per_m_sqrt_s = nan: expected more than 0, at most 1000");
   EXPECT_EQ(error_after([](ObserverOptions& o) { o.forecast_s = 61.0; }),
             "observer options: forecast_s = 61: expected 0..60");
   EXPECT_EQ(error_after([](ObserverOptions& o) { o.smoothing_lag_frames = -1; }),

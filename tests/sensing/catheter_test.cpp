@@ -95,6 +95,15 @@ TEST(Catheter, BaseAndSigmas) {
   catheter.precurvature_sigma_per_m.y() = std::nan("");
   EXPECT_EQ(error_of(catheter), "catheter: precurvature_sigma_per_m[1] = nan: expected 0 or more");
   catheter = good_catheter();
+  catheter.stiffness_correlation = 1.0;
+  EXPECT_EQ(error_of(catheter), "catheter: stiffness_correlation = 1: expected 0..0.999");
+  catheter = good_catheter();
+  catheter.bias_length_m = 0.0;
+  EXPECT_EQ(error_of(catheter), "catheter: bias_length_m = 0: expected more than 0");
+  catheter = good_catheter();
+  catheter.bias_memory_s = std::nan("");
+  EXPECT_EQ(error_of(catheter), "catheter: bias_memory_s = nan: expected more than 0, at most 1e9");
+  catheter = good_catheter();
   catheter.rod.sections.clear();
   EXPECT_EQ(error_of(catheter), "rod: sections = []: expected at least one section");
 }

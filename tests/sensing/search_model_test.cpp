@@ -84,6 +84,27 @@ TEST(SearchModel, EvaluationsCountRodsAndCurves) {
   EXPECT_LE(work, 1000 + ForceSeeds::kDirections + (1 + ForceSeeds::kDirections) * ForceSeeds::kMostEvaluations);
 }
 
+/// A search may end anywhere, with a shaft twice as stiff as the file says and bent the other way.
+TEST(SearchModel, SeedsDoNotDependOnTheSearchBefore) {
+  Catheter catheter = test::two_sensors();
+  catheter.stiffness_sigma_fraction = 0.05;
+  catheter.precurvature_sigma_per_m = {1.0, 1.0, 1.0};
+  const UncertainParameters parameters = uncertain_parameters(catheter, {.consider = true});
+  const Measurement measurement = exact_measurement(catheter, {0.02, 0.03, -0.05});
+  ShapeModel fresh(catheter, MeasurementKind::kPoses, parameters), used = fresh;
+  StateVector here = StateVector::Zero(fresh.states()), there = here, elsewhere = here;
+  elsewhere.segment<2>(3).setConstant(std::log(2.0));
+  elsewhere(5) = -60.0;
+  Linearization at;
+  for (ShapeModel* model : {&fresh, &used}) model->select(measurement, 0b11);
+  for (int k = 0; k < 3; ++k) {
+    int work = 0;
+    used.linearize(elsewhere, at);
+    ASSERT_TRUE(fresh.seed(k, here, work) && used.seed(k, there, work));
+    EXPECT_EQ(here, there) << k;
+  }
+}
+
 TEST(SearchModel, BeyondTheLastSeedTheStateIsLeftAlone) {
   const Catheter catheter = test::two_sensors();
   const Measurement measurement = exact_measurement(catheter, {0.02, 0.03, -0.05});
