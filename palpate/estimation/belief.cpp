@@ -230,42 +230,4 @@ ForceLikelihood force_likelihood(const FrameLine& line, const ParameterPrior& pr
   return {0.5 * (information + information.transpose()), NM * n};
 }
 
-void hide_axial_force(double weak_N, const Eigen::MatrixXd& parameter_covariance, FrameLine& line) {
-  line.hidden.setZero();
-  line.hiding_rows = line.residual.size();
-  ResidualMatrix R = line.noise;
-  if (line.by_parameters.cols() > 0) {
-    const FrameLine::Rows<Eigen::Dynamic, kMaxParameters> JP = line.by_parameters.lazyProduct(parameter_covariance);
-    R += JP.lazyProduct(line.by_parameters.transpose());
-  }
-  const Eigen::LLT<ResidualMatrix> factor(R);
-  if (factor.info() != Eigen::Success) return;
-  FrameLine::Rows<3> J = line.by_force;
-  factor.matrixL().solveInPlace(J);
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> spectrum(Matrix3d(J.transpose() * J));
-  const Vector3d weakest = spectrum.eigenvectors().col(0);
-  const bool axial = weakest.z() * weakest.z() > 0.5;
-  if (axial && spectrum.eigenvalues()(0) * weak_N * weak_N < 1.0) line.hidden = weakest * weakest.transpose();
-}
-
-FrameLine line_of(const ForceLikelihood& likelihood, Eigen::Index parameters) {
-  FrameLine line;
-  Eigen::SelfAdjointEigenSolver<Matrix3d> spectrum;
-  spectrum.compute(likelihood.information_per_N2);
-  line.residual.resize(3);
-  line.by_force.resize(3, 3);
-  for (int i = 0; i < 3; ++i) {
-    const double information = spectrum.eigenvalues()(i);
-    const Vector3d axis = spectrum.eigenvectors().col(i);
-    const double root = information > 0.0 ? std::sqrt(information) : 0.0;
-    line.by_force.row(i) = root * axis.transpose();
-    line.residual(i) = root > 0.0 ? axis.dot(likelihood.information_mean_per_N) / root : 0.0;
-  }
-  if (!likelihood.information_mean_per_N.allFinite()) line.residual = likelihood.information_mean_per_N;
-  line.by_parameters.setZero(3, parameters);
-  line.parameters.setZero(parameters);
-  line.noise.setIdentity(3, 3);
-  return line;
-}
-
 }  // namespace palpate

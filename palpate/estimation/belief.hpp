@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <palpate/estimation/frame_line.hpp>
 #include <palpate/estimation/motion_model.hpp>
 #include <palpate/math/linearization.hpp>
 
@@ -39,32 +40,6 @@ struct SeenBelief {
 
 /// Covariance of a force with the parameters, 3 x q.
 using ParameterCross = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMaxParameters>;
-
-/// What one frame says, as a straight line: r(F, p) = residual - J_F (F - F_0) - J_p (p - p_0), up to N(0, noise).
-struct FrameLine {
-  template <int Columns, int MaxColumns = Columns>
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Columns, Eigen::ColMajor, kMaxResiduals, MaxColumns>;
-
-  Vector3d force_N = Vector3d::Zero();  ///< F_0
-  Eigen::VectorXd parameters;           ///< p_0
-  ResidualVector residual;
-  Rows<3> by_force;
-  Rows<Eigen::Dynamic, kMaxParameters> by_parameters;
-  ResidualMatrix noise;
-  /// Projector on directions of the force that the first so many rows are not asked about (hide_axial_force).
-  Matrix3d hidden = Matrix3d::Zero();
-  Eigen::Index hiding_rows = 0;
-};
-
-/// Hides the axial force from a frame that knows it worse than `weak_N`, noise and parameters (of covariance P_pp)
-/// together. An axial force acts on a shaft through its bend, as 1 / (1 - F / F_E) does on a column: beyond some share
-/// of the buckling load F_E its effect is no straight line, and where there is hardly a bend, it is a product of
-/// errors. Taken for information, frame after frame, it drives the force off with a small sigma. It is considered
-/// instead, as a parameter is: part of S, and not corrected.
-void hide_axial_force(double weak_N, const Eigen::MatrixXd& parameter_covariance, FrameLine& line);
-
-/// A line that says the same as a likelihood of the force alone; of `parameters` parameters it says nothing.
-FrameLine line_of(const ForceLikelihood& likelihood, Eigen::Index parameters);
 
 /// What a frame did to a belief; whatever has a covariance with s and p is corrected by it alike (FixedLagSmoother).
 /// Gains of considered parameters are zero.

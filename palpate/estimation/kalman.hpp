@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <palpate/estimation/whitened.hpp>
 
 /// Measurement updates of the extended and the iterated extended Kalman filter, for any measurement model. No
@@ -17,16 +16,8 @@ struct DampingRule {
   double value = 0.0;
   double growth = 2.0;
 
-  void accepted(double kept_share) {
-    const double s = 2.0 * kept_share - 1.0;
-    value *= std::clamp(1.0 - s * s * s, 0.1, 2.0);
-    if (value < kNegligible) value = 0.0;
-    growth = 2.0;
-  }
-  void refused() {
-    value = std::max(value, kLeast) * growth;
-    growth *= 2.0;
-  }
+  void accepted(double kept_share);
+  void refused();
 };
 
 /// One accepted step downhill from `point`, or false where the steps run out first.
@@ -58,26 +49,7 @@ bool full_step(W& whitened, const StateVector& dz, int max_evaluations, typename
 }
 
 /// Nothing of an earlier update stays in `out`.
-inline void begin(int rows, const Gaussian& prior, Update& out) {
-  out.status = UpdateStatus::kFailed;
-  out.posterior = prior;
-  out.chi_square = out.residual_chi_square = out.surprise = 0.0;
-  out.rows = rows;
-  out.evaluations = 0;
-  out.line.more_noise.resize(0, 0);
-}
-
-/// The last point and the cost's model there become the posterior.
-template <class W>
-void conclude(const W& whitened, const typename W::Point& point, Update& out) {
-  out.posterior.mean = whitened.state(point.z);
-  out.posterior.covariance = whitened.covariance();
-  out.chi_square = point.cost;
-  out.residual_chi_square = whitened.misfit(point);
-  out.surprise = whitened.surprise(point.z);
-  out.at = point.at;
-  out.evaluations = whitened.evaluations;
-}
+void begin(int rows, const Gaussian& prior, Update& out);
 
 }  // namespace detail
 
@@ -116,7 +88,7 @@ void iterated_update(Model& model, const Gaussian& prior, const StateVector& sta
     out.status = UpdateStatus::kConverged;
     point.z += dz;  // below the tolerance: taken without another evaluation
   }
-  detail::conclude(whitened, point, out);
+  whitened.conclude(point, whitened.evaluations, out);
 }
 
 /// Extended Kalman update, Eq. (17): one step from the prior mean, and one evaluation more for the post-fit residual.
@@ -140,7 +112,7 @@ void extended_update(Model& model, const Gaussian& prior, Update& out, int nuisa
   const bool finite = whitened.evaluate(dz, point);
   out.status = finite ? UpdateStatus::kConverged : UpdateStatus::kNotConverged;
   point.z = dz;
-  detail::conclude(whitened, point, out);
+  whitened.conclude(point, whitened.evaluations, out);
   out.chi_square = chi_square;
   if (!finite) out.residual_chi_square = 0.0;
 }

@@ -107,8 +107,10 @@ bool MotionFilter::tune_and_correct(const ForceLikelihood& likelihood, bool jump
 }
 
 bool MotionFilter::absorb(const FrameLine& line, bool jump) {
+  constexpr double kAfterJump = 1.5;  // what is believed then is of the force before: the frame knows better, soon
   line_ = line;
-  hide_axial_force(weak_force_N_, belief_.parameter_covariance, line_);
+  axial_hidden_ = hide_axial_force(jump ? kAfterJump * weak_force_N_ : weak_force_N_, axial_hidden_ && !jump,
+                                   belief_.parameter_covariance, line_);
   return tune_and_correct(force_likelihood(line, parameters_.prior(), belief_), jump);
 }
 

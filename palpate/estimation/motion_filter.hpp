@@ -84,7 +84,8 @@ class MotionFilter {
   SeenBelief seen_;
   ForceGaussian prior_;
   double weak_force_N_ = std::numeric_limits<double>::infinity();
-  bool limited_ = false;  ///< the prior is narrower than the prediction, for no such force is believed
+  bool axial_hidden_ = false;  ///< from the latest frame that was absorbed
+  bool limited_ = false;       ///< the prior is narrower than the prediction, for no such force is believed
   FrameLine line_;
   Correction correction_;
 };

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/QR>
 #include <cassert>
-#include <limits>
 #include <palpate/estimation/kalman.hpp>
 
 /// Square-root unscented Kalman update. It sees the model over the whole spread of the prior instead of through its
@@ -12,13 +10,6 @@
 namespace palpate {
 
 namespace detail {
-
-/// Cholesky factor of a covariance, or false; LLT alone lets NaN pass.
-template <class Matrix>
-bool factor_covariance(const Matrix& covariance, Eigen::LLT<Matrix>& factor) {
-  factor.compute(covariance);
-  return factor.info() == Eigen::Success && factor.matrixLLT().allFinite();
-}
 
 /// h as a straight line through the prior's sigma points: r(x0 + L z) = nu - G z - E w, z and w ~ N(0, I).
 struct Regression {
@@ -81,41 +72,28 @@ struct WhitenedPosterior {
 /// R_zz^T R_zz = I + G^T (R + E E^T)^-1 G: its diagonal is at least 1, so nothing is ever divided by little, and
 /// nothing is ever subtracted from a covariance. Source: array form of the covariance update as a least-squares problem
 /// (Bierman 1977, chapter IV; Kailath, Sayed, Hassibi 2000, chapter 12), here for the sigma points' regression.
-inline void solve_whitened(const Regression& line, WhitenedPosterior& out) {
-  constexpr int kMaxRows = kMaxResiduals + 2 * kMaxStates, kMaxUnknowns = 2 * kMaxStates;
-  using Array = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxRows, kMaxUnknowns>;
-  const Eigen::Index m = line.nu.size(), n = line.G.cols();
-  Array A = Array::Zero(m + 2 * n, 2 * n);
-  A.topLeftCorner(m, n) = line.E;
-  A.topRightCorner(m, n) = line.G;
-  A.bottomRows(2 * n).diagonal().setOnes();
-  Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxRows, 1> q;
-  q.setZero(m + 2 * n);
-  q.head(m) = line.nu;
+void solve_whitened(const Regression& line, WhitenedPosterior& out);
 
-  const Eigen::HouseholderQR<Array> qr(A);  // in one block of 32 columns: a second one would allocate
-  static_assert(kMaxUnknowns <= 32);
-  q.applyOnTheLeft(qr.householderQ().adjoint());
-  const StateMatrix R_zz = qr.matrixQR().block(n, n, n, n);
-  out.mean = q.segment(n, n);
-  R_zz.triangularView<Eigen::Upper>().solveInPlace(out.mean);
-  out.T.setIdentity(n, n);
-  R_zz.triangularView<Eigen::Upper>().solveInPlace(out.T);
-  const StateMatrix upper = R_zz.triangularView<Eigen::Upper>();
-  out.information = upper.transpose().lazyProduct(upper);
-  out.chi_square = q.tail(m).squaredNorm();
-}
+/// Prior and noise, factored, and the line through the sigma points, which make the posterior.
+class SigmaPoints {
+ public:
+  /// The prior must outlive it. False from definite() where a covariance is not.
+  SigmaPoints(const ResidualMatrix& noise, const Gaussian& prior);
+  bool definite() const { return definite_; }
+  const StateMatrix& L() const { return L_; }
 
-/// F F^T. Rounding moves its elements by up to n eps sqrt(P_ii P_jj), which is all there is to a combination of states
-/// that a measurement has pinned down; the diagonal is raised by as much as that and the next factorisation can lose.
-inline StateMatrix square(const StateMatrix& F) {
-  const auto n = static_cast<double>(F.rows());
-  const StateMatrix P = F.lazyProduct(F.transpose());
-  // the compiler may contract packets and single elements differently: symmetric by construction
-  StateMatrix symmetric = 0.5 * (P + P.transpose());
-  symmetric.diagonal() *= 1.0 + 2.0 * (n + 1.0) * (n + 1.0) * std::numeric_limits<double>::epsilon();
-  return symmetric;
-}
+  /// Fills `out` but for the residual at the posterior mean; false, and `out` without a posterior, where it overflows.
+  bool conclude(Regression& line, int nuisance_states, Update& out);
+  double residual_chi_square(const ResidualVector& residual, int nuisance_states) const;
+
+ private:
+  const Gaussian& prior_;
+  Eigen::LLT<ResidualMatrix> W_;
+  Eigen::LLT<StateMatrix> L_factor_;
+  StateMatrix L_;
+  WhitenedPosterior z_;
+  bool definite_ = false;
+};
 
 }  // namespace detail
 
@@ -135,35 +113,14 @@ void unscented_update(Model& model, const Gaussian& prior, Update& out, int nuis
   detail::begin(model.rows(), prior, out);
   ResidualMatrix noise;
   model.noise(noise);
-  Eigen::LLT<ResidualMatrix> W;
-  Eigen::LLT<StateMatrix> L_factor;
-  if (!detail::factor_covariance(noise, W) || !detail::factor_covariance(prior.covariance, L_factor)) return;
-  const StateMatrix L = L_factor.matrixL();
+  detail::SigmaPoints points(noise, prior);
   detail::Regression line;
-  if (!detail::regress(model, prior.mean, L, out, line)) return;
-  out.innovation = line.nu;
-  out.line.x0 = prior.mean;
-  out.line.at_x0.residual = line.nu;
-  out.line.at_x0.jacobian = L_factor.matrixL().transpose().solve(line.G.transpose()).transpose();  // G = J L
-  out.line.more_noise = line.E.lazyProduct(line.E.transpose());
-
-  W.matrixL().solveInPlace(line.nu);
-  W.matrixL().solveInPlace(line.G);
-  W.matrixL().solveInPlace(line.E);
-  detail::WhitenedPosterior z;
-  detail::solve_whitened(line, z);
-  const Gaussian posterior{prior.mean + L.lazyProduct(z.mean), detail::square(L.lazyProduct(z.T))};
-  if (!posterior.mean.allFinite() || !detail::factor_covariance(posterior.covariance, L_factor)) return;
-
-  out.posterior = posterior;
-  out.chi_square = z.chi_square;
-  out.surprise = whitened_surprise(z.mean, z.information, nuisance_states);
+  if (!points.definite() || !detail::regress(model, prior.mean, points.L(), out, line)) return;
+  if (!points.conclude(line, nuisance_states, out)) return;
   ++out.evaluations;
   out.status = UpdateStatus::kNotConverged;
-  if (!model.linearize(posterior.mean, out.at) || !out.at.residual.allFinite()) return;
-  ResidualVector whitened = out.at.residual;
-  W.matrixL().solveInPlace(whitened);
-  out.residual_chi_square = whitened.squaredNorm() + z.mean.tail(nuisance_states).squaredNorm();
+  if (!model.linearize(out.posterior.mean, out.at) || !out.at.residual.allFinite()) return;
+  out.residual_chi_square = points.residual_chi_square(out.at.residual, nuisance_states);
   out.status = UpdateStatus::kConverged;
 }
 

@@ -17,26 +17,13 @@ KnownLoad known_load(bool in_base) {
   return {.present = true, .in_base = in_base, .force_N = kKnown_N, .sigma_N = 2e-3};
 }
 
-class KnownLoadRows : public ::testing::TestWithParam<test::Layout> {
+class KnownLoadRows : public test::ShapeModelOfLayout {
  protected:
-  KnownLoadRows() {
-    if (catheter_.tendon.present) model_.set_tendon_moment(test::kTendonReading_Nm);
-    register_frame(catheter_, test::exact_frame(catheter_, kForce_N), measurement_);
-  }
+  KnownLoadRows() { show(test::exact_frame(catheter_, kForce_N)); }
   void select(const KnownLoad& load, unsigned mask = test::kAllSensors) {
     model_.set_known_load(load);
     model_.select(measurement_, mask);
   }
-  Linearization at(const StateVector& x) {
-    Linearization out;
-    EXPECT_TRUE(model_.linearize(x, out));
-    return out;
-  }
-
-  Catheter catheter_ = GetParam().make();
-  UncertainParameters parameters_ = uncertain_parameters(catheter_, GetParam().choice);
-  ShapeModel model_{catheter_, GetParam().kind, parameters_, Accuracy::kReference};
-  Measurement measurement_;
 };
 
 TEST_P(KnownLoadRows, HoldTheKnownLessTheForceInNewtons) {

@@ -158,4 +158,26 @@ inline void expect_jacobian_is_difference(ShapeModel& model, const StateVector& 
       EXPECT_NEAR(-slopes(i, j), J(i, j), allowed * J.row(i).cwiseAbs().maxCoeff()) << "row " << i << ", column " << j;
 }
 
+/// The shape model of a layout, ready to be shown a frame.
+class ShapeModelOfLayout : public ::testing::TestWithParam<Layout> {
+ protected:
+  ShapeModelOfLayout() {
+    if (catheter_.tendon.present) model_.set_tendon_moment(kTendonReading_Nm);
+  }
+  void show(const TrackerFrame& frame) {
+    register_frame(catheter_, frame, measurement_);
+    model_.select(measurement_, kAllSensors);
+  }
+  Linearization at(const StateVector& x) {
+    Linearization out;
+    EXPECT_TRUE(model_.linearize(x, out));
+    return out;
+  }
+
+  Catheter catheter_ = GetParam().make();
+  UncertainParameters parameters_ = uncertain_parameters(catheter_, GetParam().choice);
+  ShapeModel model_{catheter_, GetParam().kind, parameters_, Accuracy::kReference};
+  Measurement measurement_;
+};
+
 }  // namespace palpate::test

@@ -13,27 +13,7 @@ using test::Draws;
 using test::Layout;
 using Kind = ParameterKind;
 
-class ShapeParameters : public ::testing::TestWithParam<Layout> {
- protected:
-  ShapeParameters() {
-    if (catheter_.tendon.present) model_.set_tendon_moment(test::kTendonReading_Nm);
-  }
-
-  void show(const TrackerFrame& frame) {
-    register_frame(catheter_, frame, measurement_);
-    model_.select(measurement_, test::kAllSensors);
-  }
-  Linearization at(const StateVector& x) {
-    Linearization out;
-    EXPECT_TRUE(model_.linearize(x, out));
-    return out;
-  }
-
-  Catheter catheter_ = GetParam().make();
-  UncertainParameters parameters_ = uncertain_parameters(catheter_, GetParam().choice);
-  ShapeModel model_{catheter_, GetParam().kind, parameters_, Accuracy::kReference};
-  Measurement measurement_;
-};
+using ShapeParameters = test::ShapeModelOfLayout;
 
 TEST_P(ShapeParameters, StateIsTheForceAndWhatBendsTheRod) {
   EXPECT_EQ(model_.states(), 3 + parameters_.rod_count);
