@@ -28,14 +28,22 @@ Estimate ForceObserver::update(const TrackerFrame& frame) {
   return report(frame.time_s, step.verdict, status);
 }
 
-/// What acts on the shaft besides the tissue, as far as the frame knows it: the tendon, and an episode of known load.
+/// What acts on the shaft besides the tissue, as far as the frame knows it: handle, tendon, an episode of known load.
 void ForceObserver::take_loads(const TrackerFrame& frame) {
   explainer_.set_known_load(frame.known_load);
+  take_bend(frame.bend);
+  if (frame.bend.present) return explainer_.set_tendon_moment(Eigen::Vector2d::Zero());  // it would bend twice
   if (!frame.tendon.present) return;
   explainer_.set_tendon_moment(frame.tendon.moment_Nm);
   const int noise = parameters_.find(ParameterKind::kTendonMoment, 0);
   for (int axis = 0; noise >= 0 && axis < 2; ++axis)
     motion_.set_sigma(noise + axis, std::max(frame.tendon.sigma_Nm, kLeastTendonNoise_Nm));
+}
+
+void ForceObserver::take_bend(const BendReading& bend) {
+  if (!bend.present) return;
+  explainer_.set_bend(bend);
+  if (bend.change_per_m.allFinite()) bend_per_m_ = bend.change_per_m;
 }
 
 void ForceObserver::look_back(double time_s) {
@@ -54,6 +62,7 @@ Estimate ForceObserver::report(double time_s, FrameTime time, EstimateStatus sta
   out.covariance_tip_N2 = force.covariance_N2;
   out.sigma_by_source_N = uncertainty_.budget(motion_.model().reported(), motion_.belief());
   out.shaft = uncertainty_.shaft(motion_.belief().parameters, motion_.belief().parameter_covariance);
+  out.shaft.precurvature_per_m.head<2>() += bend_per_m_;
   out.observability = observability_;
   out.R_base_tip = R_base_tip_;
   out.force_base_N = R_base_tip_ * out.force_tip_N;
@@ -101,7 +110,8 @@ ForceObserver::ForceObserver(const Catheter& catheter, const ObserverOptions& op
   times_s_.resize(static_cast<std::size_t>(options_.smoothing_lag_frames) + 1);
 }
 
-Matrix3d ForceObserver::R_base_tip(const Vector3d& force_tip_N, const TendonReading& tendon) {
+Matrix3d ForceObserver::R_base_tip(const Vector3d& force_tip_N, const TendonReading& tendon, const BendReading& bend) {
+  take_bend(bend);
   if (tendon.present) explainer_.set_tendon_moment(tendon.moment_Nm);
   StateVector x(explainer_.states());
   x << uncertainty_.followed(force_tip_N, motion_.belief()), motion_.belief().parameters.head(parameters_.rod_count);

@@ -35,15 +35,16 @@ class ForceObserver {
   /// The force `ahead_s` after the latest frame, tip axes, with its covariance. n steps ahead: n frame times.
   ForceGaussian forecast(double ahead_s) const { return motion_.forecast(ahead_s); }
 
-  /// Orientation of the tip in the base under a force and a tendon's pull, the shaft being as it is believed to be now;
-  /// one rod solution. The pull stays set, as that of the latest frame does.
-  Matrix3d R_base_tip(const Vector3d& force_tip_N, const TendonReading& tendon);
+  /// Orientation of the tip in the base under a force, a tendon's pull and the handle's bend, the shaft being as it is
+  /// believed to be now; one rod solution. Pull and bend stay set, as those of the latest frame do.
+  Matrix3d R_base_tip(const Vector3d& force_tip_N, const TendonReading& tendon, const BendReading& bend = {});
 
   const MotionFilter& motion() const { return motion_; }
   const ForceUncertainty& uncertainty() const { return uncertainty_; }
 
  private:
   void take_loads(const TrackerFrame& frame);
+  void take_bend(const BendReading& bend);
   void look_back(double time_s);
   Estimate report(double time_s, FrameTime time, EstimateStatus status);
 
@@ -57,6 +58,7 @@ class ForceObserver {
 
   Measurement measurement_;
   Matrix3d R_base_tip_;
+  Eigen::Vector2d bend_per_m_ = Eigen::Vector2d::Zero();  ///< of the latest frame that had one
   Observability observability_;
   bool updated_ = false;
   std::int64_t evaluations_before_ = 0;

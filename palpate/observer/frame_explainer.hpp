@@ -24,6 +24,7 @@ class FrameExplainer {
   FrameExplainer(const Catheter& catheter, const ObserverOptions& options, const UncertainParameters& parameters);
 
   void set_tendon_moment(const Eigen::Vector2d& moment_Nm) { shape_.set_tendon_moment(moment_Nm); }
+  void set_bend(const BendReading& bend) { shape_.set_bend(bend); }
   void set_known_load(const KnownLoad& load) { shape_.set_known_load(load); }
 
   /// `prediction`: of the force that acts on the shaft, and of the parameters. A refused sensor is marked in

@@ -25,6 +25,7 @@ class SmoothingPass {
   RecordingSmoother smoother_;
   std::vector<Estimate> estimates_;
   std::vector<TendonReading> tendons_;
+  std::vector<BendReading> bends_;
 };
 
 }  // namespace palpate

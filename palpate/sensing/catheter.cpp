@@ -80,6 +80,20 @@ void validate_base(const BaseRegistration& base) {
 
 }  // namespace
 
+const Vector3d& Catheter::precurvature_per_m() const {
+  const auto flexible =
+      std::find_if(rod.sections.begin(), rod.sections.end(), [](const Section& s) { return !s.rigid; });
+  return (flexible == rod.sections.end() ? rod.sections.front() : *flexible).precurvature_per_m;
+}
+
+Catheter driven_by_map(Catheter catheter) {
+  if (!catheter.tendon_map.present) return catheter;
+  constexpr double kLeastSigma_per_m = 1e-6;  // a frame may know its bend worse than the map: it needs a parameter
+  catheter.precurvature_sigma_per_m.head<2>() = catheter.tendon_map.sigma_per_m.cwiseMax(kLeastSigma_per_m);
+  catheter.tendon.present = false;
+  return catheter;
+}
+
 void Catheter::validate() const {
   rod.validate();
   validate_names(sensors, base);
@@ -92,6 +106,7 @@ void Catheter::validate() const {
     }
   }
   validate_base(base);
+  tendon_map.validate();
   require_sigma("tendon offset_m", tendon.offset_m);
   require_sigma("tendon moment_sigma_fraction", tendon.moment_sigma_fraction);
   require_sigma("stiffness_sigma_fraction", stiffness_sigma_fraction);

@@ -5,6 +5,7 @@
 #include <palpate/math/pose.hpp>
 #include <palpate/math/units.hpp>
 #include <palpate/rod/rod.hpp>
+#include <palpate/sensing/tendon_map.hpp>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,7 @@ struct Catheter {
   std::string name;
   Rod rod;
   Tendon tendon;
+  TendonMap tendon_map;
   std::vector<Sensor> sensors;  ///< on the shaft; the order of readings in a TrackerFrame
   BaseRegistration base;
   double stiffness_sigma_fraction = 0.0;  ///< of each of EI1, EI2, GJ
@@ -75,9 +77,17 @@ struct Catheter {
     return sensor.T_tracker_base ? *sensor.T_tracker_base : base.T_tracker_base;
   }
 
+  /// Of the first flexible section, (k1,0, k2,0, tau0); without one that of the first.
+  const Vector3d& precurvature_per_m() const;
+
   /// Throws InputError naming the sensor or parameter, its value and the range.
   void validate() const;
 };
+
+/// The same catheter driven through its tendon map, as frames with a BendReading are: the map's sigma is that of the
+/// precurvature, and the tendon's moment, which would bend the shaft a second time, is out of use. Where a tendon map
+/// is absent nothing changes.
+Catheter driven_by_map(Catheter catheter);
 
 /// Most sensors on one shaft: bounds every fixed-capacity matrix of the estimator.
 inline constexpr int kMaxSensors = 8;

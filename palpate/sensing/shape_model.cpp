@@ -129,11 +129,23 @@ void ShapeModel::select_tip_and_curvature(const Measurement& measurement, unsign
   used_ |= 1U << behind_;
 }
 
+void ShapeModel::set_bend(const BendReading& bend) {
+  if (!bend.change_per_m.allFinite()) return;
+  bend_per_m_.head<2>() = bend.change_per_m;
+  for (int axis = 0; axis < 2; ++axis) {
+    const int p = parameters_.find(ParameterKind::kPrecurvature, axis);
+    if (p < 0 || parameters_.all[p].estimated) continue;
+    const double sigma_per_m = bend.sigma_per_m(axis), known_per_m = std::sqrt(parameters_.covariance(p, p));
+    const bool stated = sigma_per_m > 0.0 && std::isfinite(sigma_per_m);
+    bend_spread_(axis) = stated ? sigma_per_m / known_per_m : 1.0;
+  }
+}
+
 /// Tendon, stiffness and precurvature at x, each the catheter file's with the deviation on top.
 void ShapeModel::set_load(const StateVector& x) {
   Vector3d log_scale = Vector3d::Zero();
   load_.log_stiffness.setZero();
-  load_.precurvature_per_m.setZero();
+  load_.precurvature_per_m = bend_per_m_;
   Vector3d tendon_Nm = tendon_Nm_;
   tendon_scale_ = 1.0;
   for (int i = 0; i < parameters_.rod_count; ++i) {
@@ -141,7 +153,7 @@ void ShapeModel::set_load(const StateVector& x) {
     const double value = x(3 + i);
     if (p.kind == ParameterKind::kLogStiffness) load_.log_stiffness(p.axis) = value;
     log_scale += value * force_exponent(p);
-    if (p.kind == ParameterKind::kPrecurvature) load_.precurvature_per_m(p.axis) = value;
+    if (p.kind == ParameterKind::kPrecurvature) load_.precurvature_per_m(p.axis) += bend_spread_(p.axis) * value;
     if (p.kind == ParameterKind::kTendonScale) tendon_scale_ = std::exp(value);
     if (p.kind == ParameterKind::kTendonMoment) tendon_Nm(p.axis) += value;
   }
@@ -171,7 +183,7 @@ void ShapeModel::set_directions(Solver<N>& solver) const {
       d.log_stiffness(p.axis, 3 + i) = 1.0;
       if (parameters_.torsion_tied) d.log_stiffness(2, 3 + i) = torsion_by_bending_(p.axis);
     }
-    if (p.kind == ParameterKind::kPrecurvature) d.precurvature_per_m(p.axis, 3 + i) = 1.0;
+    if (p.kind == ParameterKind::kPrecurvature) d.precurvature_per_m(p.axis, 3 + i) = bend_spread_(p.axis);
     if (p.kind == ParameterKind::kTendonScale)
       moment.col(3 + i) = couple ? load_.tendon_couple_Nm : load_.moment_tip_Nm;
     if (p.kind == ParameterKind::kTendonMoment) moment(p.axis, 3 + i) = tendon_scale_;

@@ -37,6 +37,10 @@ class ShapeModel {
 
   /// Tendon moment (about d1, d2) of this frame; acts as the catheter file's tendon model says.
   void set_tendon_moment(const Eigen::Vector2d& moment_Nm) { tendon_Nm_ = {moment_Nm.x(), moment_Nm.y(), 0.0}; }
+  /// What the handle does to the precurvature of this frame; `bend.present`. Its sigma scales the effect of a
+  /// precurvature error that is only considered: the same error, larger or smaller from frame to frame. An estimated
+  /// one deviates from this bend.
+  void set_bend(const BendReading& bend);
   /// Three more rows, F = what is known of it; from the next select() on. Not present: none.
   void set_known_load(const KnownLoad& load) { known_load_ = load; }
 
@@ -108,6 +112,8 @@ class ShapeModel {
   TipLoad load_;
   Vector3d force_scale_ = Vector3d::Ones();                       ///< F / f
   Vector3d tendon_Nm_ = Vector3d::Zero();                         ///< as read
+  Vector3d bend_per_m_ = Vector3d::Zero();                        ///< added to the catheter's precurvature
+  Vector3d bend_spread_ = Vector3d::Ones();                       ///< sigma of this frame's bend over the catheter's
   double tendon_scale_ = 1.0;                                     ///< of reading and noise: exp(c)
   Eigen::Vector2d torsion_by_bending_ = Eigen::Vector2d::Zero();  ///< d log GJ by d log EI1, d log EI2, where tied
   KnownLoad known_load_;

@@ -30,6 +30,15 @@ struct TendonReading {
   double sigma_Nm = 0.0;
 };
 
+/// What the handle makes of the unloaded shaft's curvature (TendonPlay). It carries no newtons: however stiff the shaft
+/// is, it bends so far.
+struct BendReading {
+  bool present = false;
+  bool inside = true;                                      ///< false: beyond the tendon map's ends
+  Eigen::Vector2d change_per_m = Eigen::Vector2d::Zero();  ///< of k1,0, k2,0 over the catheter's, all sections alike
+  Eigen::Vector2d sigma_per_m = Eigen::Vector2d::Zero();   ///< of what k1,0, k2,0 thereby are; 0: the catheter's
+};
+
 /// An episode in which the load is known: the tip hangs free, or a dead weight pulls at it.
 struct KnownLoad {
   bool present = false;
@@ -45,6 +54,7 @@ struct TrackerFrame {
   std::int64_t number = 0;
   std::vector<SensorReading> readings = {};
   TendonReading tendon = {};
+  BendReading bend = {};
   KnownLoad known_load = {};
 };
 
