@@ -133,8 +133,9 @@ class Script {
     const auto runs = line ? thin_line(series.x, series.y, frame.x, frame.y)
                            : std::vector<Run>{thin_cloud(series.x, series.y, frame.x, frame.y)};
     if (runs.empty() || runs.front().empty()) return {};
+    const double dot = !line && runs.front().size() < 200 ? 0.8 : 0.4;  // few points are easily overlooked
     const std::string look =
-        line ? fmt::format("lines lw {} dt {}", pen.width, pen.dash) : std::string("points pt 7 ps 0.4");
+        line ? fmt::format("lines lw {} dt {}", pen.width, pen.dash) : fmt::format("points pt 7 ps {}", dot);
     return fmt::format("{} using 1:2 with {} lc rgb '{}' {}, ", points(runs), look, colour, title_clause(series.label));
   }
 

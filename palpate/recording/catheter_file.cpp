@@ -2,48 +2,18 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <palpate/math/errors.hpp>
 #include <palpate/math/units.hpp>
 #include <palpate/recording/catheter_estimator.hpp>
 #include <palpate/recording/catheter_file.hpp>
 #include <palpate/recording/catheter_sensors.hpp>
 #include <palpate/recording/catheter_shaft.hpp>
-#include <palpate/recording/text_table.hpp>
+#include <palpate/recording/catheter_tendon_map.hpp>
 
 namespace palpate {
 namespace {
 
 constexpr NumberRange kTime_s = {-1e15, 1e15, "a time of the recording in seconds"};
-
-[[noreturn]] void refuse_line(const TextFile& file, std::size_t line, std::string_view expectation) {
-  throw InputError(fmt::format("{}:{}: line '{}': expected TOML: {}", file.name, line,
-                               printable(trim(file.lines[line - 1])), printable(expectation, 400)));
-}
-
-/// toml++ 3.3 has undefined behaviour where no key follows the bracket of a table header: it never sees one.
-void refuse_headers_without_key(const TextFile& file) {
-  constexpr std::string_view kKeyStart = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-\"'";
-  for (std::size_t i = 0; i < file.lines.size(); ++i) {
-    std::string_view text = trim(file.lines[i]);
-    if (!text.starts_with('[')) continue;
-    text = trim(text.substr(1));
-    if (text.starts_with('[')) text = trim(text.substr(1));
-    if (text.empty() || kKeyStart.find(text.front()) == std::string_view::npos)
-      refuse_line(file, i + 1, "[NAME] or [[NAME]]");
-  }
-}
-
-toml::table parse_toml(const TextFile& file) {
-  refuse_headers_without_key(file);
-  const std::string text = fmt::format("{}\n", fmt::join(file.lines, "\n"));
-  try {
-    return toml::parse(text, file.name);
-  } catch (const toml::parse_error& error) {
-    const auto line = std::clamp<std::size_t>(error.source().begin.line, 1, file.lines.size());
-    refuse_line(file, line, error.description());
-  }
-}
 
 void read_tendon(const TomlTable& root, Tendon& tendon) {
   const auto table = root.table("tendon", {"model", "offset_mm", "moment_sigma_percent"});
@@ -97,6 +67,7 @@ CatheterFile read_root(const TomlTable& root) {
   CatheterFile file;
   read_shaft(root, file.catheter);
   read_tendon(root, file.catheter.tendon);
+  read_tendon_map(root, file.catheter);
   read_sensors(root, file.catheter);
   read_estimator(root, file.observer);
   if (const auto recording = root.table("recording", {"ignore_sensors"})) {
@@ -109,12 +80,13 @@ CatheterFile read_root(const TomlTable& root) {
 
 }  // namespace
 
-CatheterFile read_catheter_file(const std::filesystem::path& path) {
-  const TextFile text = read_text_file(path);
+CatheterFile read_catheter_file(const std::filesystem::path& path) { return parse_catheter(read_text_file(path)); }
+
+CatheterFile parse_catheter(const TextFile& text) {
   const toml::table table = parse_toml(text);
   CatheterFile file = read_root(TomlTable(table, "", text.name,
-                                          {"schema", "catheter", "tendon", "gravity", "base", "sensor", "estimator",
-                                           "recording", "reference", "tracker", "known_load"}));
+                                          {"schema", "catheter", "tendon", "tendon_map", "gravity", "base", "sensor",
+                                           "estimator", "recording", "reference", "tracker", "known_load"}));
   try {
     file.catheter.validate();
     file.observer.validate();

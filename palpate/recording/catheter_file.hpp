@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <palpate/observer/options.hpp>
+#include <palpate/recording/text_table.hpp>
 #include <palpate/sensing/catheter.hpp>
 #include <palpate/sensing/tracker_frame.hpp>
 #include <span>
@@ -39,6 +40,8 @@ struct CatheterFile {
 /// Reads TOML as formats/catheter.toml shows it, and the keys beyond those that docs/reference/formats.md lists.
 /// Throws InputError `FILE:LINE: KEY = VALUE: expected ...` on anything unknown, missing, mistyped or out of range.
 CatheterFile read_catheter_file(const std::filesystem::path& path);
+/// The same of a text that was read, or is to be written.
+CatheterFile parse_catheter(const TextFile& text);
 
 /// What is estimated, by the words of the catheter file and of --state: "force", to which "stiffness" and
 /// "precurvature" may be added. False, and nothing chosen, where it is another list.

@@ -28,7 +28,36 @@ std::string show(const toml::node* node) {
 
 bool in_range(double value, const NumberRange& range) { return value >= range.least && value <= range.most; }
 
+[[noreturn]] void refuse_line(const TextFile& file, std::size_t line, std::string_view expectation) {
+  throw InputError(fmt::format("{}:{}: line '{}': expected TOML: {}", file.name, line,
+                               printable(trim(file.lines[line - 1])), printable(expectation, 400)));
+}
+
+/// toml++ 3.3 has undefined behaviour where no key follows the bracket of a table header: it never sees one.
+void refuse_headers_without_key(const TextFile& file) {
+  constexpr std::string_view kKeyStart = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-\"'";
+  for (std::size_t i = 0; i < file.lines.size(); ++i) {
+    std::string_view text = trim(file.lines[i]);
+    if (!text.starts_with('[')) continue;
+    text = trim(text.substr(1));
+    if (text.starts_with('[')) text = trim(text.substr(1));
+    if (text.empty() || kKeyStart.find(text.front()) == std::string_view::npos)
+      refuse_line(file, i + 1, "[NAME] or [[NAME]]");
+  }
+}
+
 }  // namespace
+
+toml::table parse_toml(const TextFile& file) {
+  refuse_headers_without_key(file);
+  const std::string text = fmt::format("{}\n", fmt::join(file.lines, "\n"));
+  try {
+    return toml::parse(text, file.name);
+  } catch (const toml::parse_error& error) {
+    const auto line = std::clamp<std::size_t>(error.source().begin.line, 1, file.lines.size());
+    refuse_line(file, line, error.description());
+  }
+}
 
 TomlTable::TomlTable(const toml::table& table, std::string path, std::string file,
                      std::initializer_list<std::string_view> known_keys)
@@ -68,13 +97,26 @@ int TomlTable::integer(std::string_view key, const NumberRange& range, int fallb
 
 void TomlTable::read_numbers(std::string_view key, const NumberRange& each, double* values, std::size_t count) const {
   const toml::array* array = table_->get_as<toml::array>(key);
-  bool good = array != nullptr && array->size() == count;
-  for (std::size_t i = 0; good && i < count; ++i) {
-    const toml::node& node = *array->get(i);
-    values[i] = node.is_number() ? node.value<double>().value_or(std::nan("")) : std::nan("");
-    good = in_range(values[i], each);
-  }
+  const bool good = array != nullptr && array->size() == count && take_numbers(*array, each, values);
   if (!good) refuse(key, fmt::format("[{} numbers], each {}", count, each.expectation));
+}
+
+bool TomlTable::take_numbers(const toml::array& array, const NumberRange& each, double* values) {
+  for (std::size_t i = 0; i < array.size(); ++i) {
+    const toml::node& node = *array.get(i);
+    values[i] = node.is_number() ? node.value<double>().value_or(std::nan("")) : std::nan("");
+    if (!in_range(values[i], each)) return false;
+  }
+  return true;
+}
+
+std::vector<double> TomlTable::numbers(std::string_view key, const NumberRange& each, std::size_t least,
+                                       std::size_t most) const {
+  const toml::array* array = table_->get_as<toml::array>(key);
+  std::vector<double> values(array != nullptr ? array->size() : 0);
+  if (values.size() < least || values.size() > most || !take_numbers(*array, each, values.data()))
+    refuse(key, fmt::format("[{} to {} numbers], each {}", least, most, each.expectation));
+  return values;
 }
 
 std::string TomlTable::text(std::string_view key) const {

@@ -6,12 +6,16 @@
 #include <Eigen/Core>
 #include <initializer_list>
 #include <optional>
+#include <palpate/recording/text_table.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 namespace palpate {
+
+/// Throws InputError `FILE:LINE: line 'TEXT': expected TOML: ...`.
+toml::table parse_toml(const TextFile& file);
 
 /// What a number may be; `expectation` completes "expected ..." and names the unit.
 struct NumberRange {
@@ -44,6 +48,9 @@ class TomlTable {
     return values;
   }
 
+  /// An array of `least` to `most` numbers.
+  std::vector<double> numbers(std::string_view key, const NumberRange& each, std::size_t least, std::size_t most) const;
+
   std::string text(std::string_view key) const;
   std::string text(std::string_view key, std::string_view fallback) const;
   std::vector<std::string> texts(std::string_view key) const;
@@ -70,6 +77,7 @@ class TomlTable {
   [[noreturn]] void refuse(std::string_view key, std::string_view expectation) const;
 
  private:
+  static bool take_numbers(const toml::array& array, const NumberRange& each, double* values);
   void read_numbers(std::string_view key, const NumberRange& each, double* values, std::size_t count) const;
   bool is_text(std::string_view key, std::string_view text) const;
   [[noreturn]] void refuse_choice(std::string_view key, const std::vector<std::string_view>& names) const;
