@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# After it, find_package(palpate CONFIG) gives palpate::palpate.
+# After it, find_package(palpate CONFIG) gives palpate::palpate; with COMPONENTS identification also
+# palpate::identification and what that links.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -7,23 +8,31 @@ set(palpate_config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/palpate)
 
 install(TARGETS palpate EXPORT palpateTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(TARGETS palpate_identification EXPORT palpateIdentificationTargets
+        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 if(TARGET palpate_cli)
   install(TARGETS palpate_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/palpate DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp")
 install(EXPORT palpateTargets NAMESPACE palpate:: DESTINATION ${palpate_config_dir})
+install(EXPORT palpateIdentificationTargets NAMESPACE palpate:: DESTINATION ${palpate_config_dir})
 
 # Whoever links a static library links what it links: one find_dependency for each imported target that the
 # exported one names. What is there only to build the library stands in $<BUILD_INTERFACE:...> and is not named.
-get_target_property(palpate_links palpate INTERFACE_LINK_LIBRARIES)
-set(palpate_dependencies "")
-foreach(link IN LISTS palpate_links)
-  if(link MATCHES "^(\\$<LINK_ONLY:)?([A-Za-z0-9_]+)::")
-    list(APPEND palpate_dependencies "find_dependency(${CMAKE_MATCH_2})")
-  endif()
-endforeach()
-list(REMOVE_DUPLICATES palpate_dependencies)
-list(JOIN palpate_dependencies "\n" palpate_dependencies)
+function(palpate_find_dependencies target out)
+  get_target_property(links ${target} INTERFACE_LINK_LIBRARIES)
+  set(lines "")
+  foreach(link IN LISTS links)
+    if(link MATCHES "^(\\$<LINK_ONLY:)?([A-Za-z0-9_]+)::")
+      list(APPEND lines "find_dependency(${CMAKE_MATCH_2})")
+    endif()
+  endforeach()
+  list(REMOVE_DUPLICATES lines)
+  list(JOIN lines "\n" lines)
+  set(${out} "${lines}" PARENT_SCOPE)
+endfunction()
+palpate_find_dependencies(palpate palpate_dependencies)
+palpate_find_dependencies(palpate_identification palpate_identification_dependencies)
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/palpateConfig.cmake.in
                               ${PROJECT_BINARY_DIR}/palpateConfig.cmake INSTALL_DESTINATION ${palpate_config_dir})

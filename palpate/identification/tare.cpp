@@ -15,17 +15,25 @@ namespace palpate {
 
 namespace {
 
-/// What the tendon does meanwhile; it is a load that the tare must not take for precurvature.
+/// What tendon and handle do meanwhile; the tare must not take it for precurvature.
 TipLoad mean_tendon_load(const Catheter& catheter, std::span<const TrackerFrame> frames, const TareInterval& interval) {
-  Vector3d sum = Vector3d::Zero();
-  int count = 0;
+  Vector3d sum = Vector3d::Zero(), bend = Vector3d::Zero();
+  int count = 0, bends = 0;
   for (const TrackerFrame& frame : frames) {
-    if (!frame.tendon.present || !(frame.time_s >= interval.from_s && frame.time_s <= interval.to_s)) continue;
+    if (!(frame.time_s >= interval.from_s && frame.time_s <= interval.to_s)) continue;
+    if (frame.bend.present) {
+      bend.head<2>() += frame.bend.change_per_m;
+      ++bends;
+      continue;  // the tendon's moment would bend twice
+    }
+    if (!frame.tendon.present) continue;
     sum.head<2>() += frame.tendon.moment_Nm;
     ++count;
   }
   TipLoad load;
-  if (count == 0 || interval.straight) return load;
+  if (interval.straight) return load;
+  if (bends > 0) load.precurvature_per_m = bend / bends;
+  if (count == 0) return load;
   const bool couple = catheter.tendon.model == TendonModel::kCouple;
   (couple ? load.tendon_couple_Nm : load.moment_tip_Nm) = sum / count;
   return load;
