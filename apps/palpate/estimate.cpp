@@ -15,6 +15,8 @@
 #include "estimate_input.hpp"
 #include "estimate_options.hpp"
 #include "estimate_report.hpp"
+#include "file_paths.hpp"
+#include "time_span.hpp"
 #include "verbs.hpp"
 
 namespace palpate::app {
@@ -47,7 +49,9 @@ Catheter corrected_catheter(CatheterFile& file, const TrackerRecording& recordin
   const Tare found = tare(file.catheter, recording.frames, {reference.from_s, reference.to_s, reference.straight});
   warn_of_doubtful_tare(file.catheter, found, file.warnings);
   report.set_tare(found);
-  return found.catheter;
+  const bool driven = std::any_of(recording.frames.begin(), recording.frames.end(),
+                                  [](const TrackerFrame& frame) { return frame.bend.present; });
+  return driven ? driven_by_map(found.catheter) : found.catheter;  // a tare in one position says little of the others
 }
 
 /// What is estimated starts from the catheter file's value and sigma; the observer has a default for the sigma alone.
@@ -106,6 +110,7 @@ int run(const EstimateOptions& options) {
   check_paths(options);
   CatheterFile file = read_catheter_file(options.catheter);
   apply_options(options, file);
+  if (!options.tendon.empty()) file.catheter = driven_by_map(file.catheter);
   warn_of_states_without_sigma(file);
   const TrackerRecording recording = load_recording(options, file, file.warnings);
   if (options.strict) refuse_passed_over_rows(recording);
@@ -125,7 +130,7 @@ int run(const EstimateOptions& options) {
     file.warnings.push_back(
         fmt::format("{}: only {} of {} frames could be used: is it of this catheter, base and sensors?",
                     recording.source, report.frames_used(), recording.frames.size()));
-  for (const std::string& warning : file.warnings) fmt::print(stderr, "palpate: warning: {}\n", warning);
+  print_warnings(file.warnings);
   report.print(catheter, file.observer, options.out, options.json);
   return 0;
 }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <palpate/math/errors.hpp>
 #include <palpate/math/units.hpp>
+#include <palpate/recording/handle_csv.hpp>
 #include <palpate/recording/merge_recordings.hpp>
 #include <palpate/recording/tendon_csv.hpp>
 #include <palpate/sensing/screening.hpp>
@@ -99,14 +100,41 @@ void warn_of_slow_frames(const TrackerRecording& recording, std::vector<std::str
         fmt::format("{}: its frames are {:.4g} s apart: are the times in milliseconds?", recording.source, period_s));
 }
 
+/// The handle's bend in every frame. It stands in place of the tendon's moment, which bends the same shaft.
+void attach_bend(const std::string& path, const Catheter& catheter, TrackerRecording& recording,
+                 std::vector<std::string>& warnings) {
+  const HandleTrace handle = read_handle_csv(path, catheter.tendon_map.input);
+  const TendonPlay play(catheter.tendon_map, catheter.precurvature_per_m().head<2>());
+  std::vector<double> times_s;
+  times_s.reserve(recording.frames.size());
+  for (const TrackerFrame& frame : recording.frames) times_s.push_back(frame.time_s);
+  const BendTrace trace = bends_at(handle, play, times_s);
+  for (std::size_t i = 0; i < recording.frames.size(); ++i) recording.frames[i].bend = trace.bends[i];
+  if (handle.has_moments)
+    warnings.push_back(
+        fmt::format("{}: its moments are left out, for [tendon_map] says how far the handle bends the shaft", path));
+  if (trace.outside > 0)
+    warnings.push_back(
+        fmt::format("{}: {} frames lie outside its time span: the nearest position was taken", path, trace.outside));
+  if (trace.beyond_the_map > 0)
+    warnings.push_back(fmt::format(
+        "{}: in {} frames the handle is beyond the ends of [tendon_map]: the bend of the end was taken, with a sigma "
+        "that grows with the distance",
+        path, trace.beyond_the_map));
+}
+
 void attach_tendon(const std::string& path, const Catheter& catheter, TrackerRecording& recording,
                    std::vector<std::string>& warnings) {
   if (path.empty()) {
+    if (catheter.tendon_map.present)
+      warnings.emplace_back(
+          "tendon_map: the catheter file has one, but no --tendon was given: precurvature_per_m is taken instead");
     if (catheter.tendon.present)
       warnings.emplace_back(
           "tendon: the catheter file has one, but no --tendon was given: its moment is taken as zero");
     return;
   }
+  if (catheter.tendon_map.present) return attach_bend(path, catheter, recording, warnings);
   if (!catheter.tendon.present)
     throw InputError(fmt::format("--tendon {}: the catheter file has no [tendon]: expected its model", path));
   const TendonTrace trace = read_tendon_csv(path, catheter.tendon);

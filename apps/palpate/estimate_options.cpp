@@ -6,12 +6,13 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <filesystem>
 #include <palpate/math/errors.hpp>
 #include <palpate/recording/text_table.hpp>
 #include <vector>
+
+#include "file_paths.hpp"
+#include "time_span.hpp"
 
 namespace palpate::app {
 
@@ -51,66 +52,19 @@ std::string_view name_in(const Names& known, Enum value) {
   return "";
 }
 
-void refuse_same_file(const char* flag, const std::string& output, const std::string& other, const char* what) {
-  if (output.empty() || other.empty()) return;
-  std::error_code ignored;
-  const bool same = std::filesystem::path(output).lexically_normal() == std::filesystem::path(other).lexically_normal();
-  if (!same && !std::filesystem::equivalent(output, other, ignored)) return;
-  throw InputError(fmt::format("{} {}: expected another file than {}", flag, output, what));
-}
-
-void refuse_absent_folder(const char* flag, const std::string& output) {
-  std::error_code ignored;
-  const std::filesystem::path folder = std::filesystem::path(output).parent_path();
-  if (folder.empty() || std::filesystem::is_directory(folder, ignored)) return;
-  throw InputError(fmt::format("{} {}: expected the folder {} to exist", flag, output, folder.string()));
-}
-
 }  // namespace
 
 std::string_view name_of(Method method) { return name_in(kMethods, method); }
 std::string_view name_of(MeasurementKind kind) { return name_in(kMeasurements, kind); }
 std::string_view name_of(ForceMotion motion) { return name_in(kForceModels, motion); }
 
-TimeSpan parse_time_span(std::string_view flag, const std::string& text) {
-  const auto refuse = [&](const char* expected) {
-    throw InputError(fmt::format("{} {}: expected {}", flag, text, expected));
-  };
-  const auto number = [&](std::string_view part) {
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-    if (error != std::errc() || end != part.data() + part.size() || !std::isfinite(value))
-      refuse("FROM:TO in seconds, as 0:2");
-    return value;
-  };
-  const std::string_view whole = text;
-  const std::size_t colon = whole.find(':');
-  if (colon == std::string_view::npos) refuse("FROM:TO in seconds, as 0:2");
-  const TimeSpan span{number(whole.substr(0, colon)), number(whole.substr(colon + 1))};
-  if (!(span.to_s > span.from_s)) refuse("an end after the beginning");
-  return span;
-}
-
 void check_paths(const EstimateOptions& options) {
-  const auto refuse_empty = [](const char* name, const std::string& path) {
-    if (path.empty()) throw InputError(fmt::format("{}: expected the name of a file, found an empty one", name));
-  };
-  for (const std::string& recording : options.recordings) refuse_empty("recording", recording);
-  refuse_empty("--catheter", options.catheter);
-  refuse_empty("--out", options.out);
-  for (const auto& [flag, output] :
-       {std::pair{"--out", &options.out}, {"--plot", &options.plot}, {"--budget", &options.budget}}) {
-    for (const std::string& recording : options.recordings) refuse_same_file(flag, *output, recording, "the recording");
-    refuse_same_file(flag, *output, options.catheter, "the catheter file");
-    refuse_same_file(flag, *output, options.tendon, "the tendon CSV");
-    refuse_absent_folder(flag, *output);
-  }
-  refuse_same_file("--plot", options.plot, options.out, "--out");
-  refuse_same_file("--budget", options.budget, options.out, "--out");
-  refuse_same_file("--budget", options.budget, options.plot, "--plot");
-  const std::string extension = std::filesystem::path(options.plot).extension().string();
-  if (!options.plot.empty() && extension != ".svg" && extension != ".png")
-    throw InputError(fmt::format("--plot {}: expected a file name that ends in .svg or .png", options.plot));
+  std::vector<InputPath> inputs;
+  for (const std::string& recording : options.recordings) inputs.push_back({"recording", "the recording", recording});
+  inputs.push_back({"--catheter", "the catheter file", options.catheter});
+  if (!options.tendon.empty()) inputs.push_back({"--tendon", "the tendon CSV", options.tendon});
+  if (options.out.empty()) throw InputError("--out: expected the name of a file, found an empty one");
+  check_paths(inputs, {{"--out", options.out}, {"--plot", options.plot}, {"--budget", options.budget}});
 }
 
 namespace {
@@ -157,7 +111,8 @@ void add_estimate_options(CLI::App& verb, EstimateOptions& options) {
       ->required();
   verb.add_option("--catheter", options.catheter, "catheter file (TOML)")->required();
   verb.add_option("--out", options.out, "estimate CSV to write")->required();
-  verb.add_option("--tendon", options.tendon, "tendon CSV: moment or tension over time");
+  verb.add_option("--tendon", options.tendon,
+                  "tendon CSV: moment or tension over time; with [tendon_map] where the handle stands");
   verb.add_option("--method", options.method, "ekf, iekf, iaekf or ukf, instead of the catheter file's");
   verb.add_option("--measurement", options.measurement, "poses or tip_and_curvature, instead of the catheter file's");
   verb.add_option("--force-model", options.force_model,

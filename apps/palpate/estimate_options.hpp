@@ -26,13 +26,6 @@ void add_estimate_options(CLI::App& verb, EstimateOptions& options);
 /// unknown kind, an output over an input or in a folder that is not there.
 void check_paths(const EstimateOptions& options);
 
-/// A stretch of time as typed after `flag`: "FROM:TO" in seconds.
-struct TimeSpan {
-  double from_s = 0.0, to_s = 0.0;
-};
-/// Throws InputError naming flag and value.
-TimeSpan parse_time_span(std::string_view flag, const std::string& text);
-
 /// Puts what was typed in place of what the catheter file says. Throws InputError naming flag, value and expectation.
 void apply_options(const EstimateOptions& options, CatheterFile& file);
 

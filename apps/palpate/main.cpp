@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <exception>
 #include <palpate/math/errors.hpp>
+#include <string>
 
 #include "usage_error.hpp"
 #include "verbs.hpp"
@@ -13,9 +14,11 @@ namespace {
 
 /// One line that says what is wrong, one where to read on.
 int refuse_usage(const CLI::App& app, const CLI::ParseError& error, std::span<const char* const> arguments) {
-  const auto verbs = app.get_subcommands();
   fmt::print(stderr, "palpate: {}\n", palpate::app::explain_unknown_word(app, arguments).value_or(error.what()));
-  fmt::print(stderr, "Run palpate {}--help for what is possible.\n", verbs.empty() ? "" : verbs[0]->get_name() + " ");
+  std::string command = "palpate";
+  for (auto verbs = app.get_subcommands(); !verbs.empty(); verbs = verbs[0]->get_subcommands())
+    command += " " + verbs[0]->get_name();
+  fmt::print(stderr, "Run {} --help for what is possible.\n", command);
   return 2;
 }
 
@@ -34,6 +37,7 @@ int main(int argc, char** argv) {
   int exit_code = 0;
   palpate::app::add_estimate(app, exit_code);
   palpate::app::add_evaluate(app, exit_code);
+  palpate::app::add_identify(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

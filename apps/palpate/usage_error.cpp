@@ -57,17 +57,28 @@ std::optional<std::string> explain_unknown_option(const CLI::App& app, const std
 
 }  // namespace
 
-std::optional<std::string> explain_unknown_word(const CLI::App& app, std::span<const char* const> arguments) {
+namespace {
+
+/// `whose`: the words typed so far, "palpate" or "palpate identify".
+std::optional<std::string> explain_unknown_word(const CLI::App& app, const std::string& whose,
+                                                std::span<const char* const> arguments) {
   const std::vector<std::string> names = command_names(app);
+  if (names.empty()) return explain_unknown_option(app, whose, arguments);
   const std::vector<std::string_view> commands(names.begin(), names.end());
   if (arguments.empty()) return fmt::format("expected one of the commands {}", fmt::join(commands, ", "));
   const std::string_view first = arguments[0];
-  if (first.starts_with('-')) return explain_unknown_option(app, "palpate", arguments.first(1));
+  if (first.starts_with('-')) return explain_unknown_option(app, whose, arguments.first(1));
   if (contains(commands, first))
-    return explain_unknown_option(*app.get_subcommand(std::string(first)), fmt::format("palpate {}", first),
-                                  arguments.subspan(1));
+    return explain_unknown_word(*app.get_subcommand(std::string(first)), fmt::format("{} {}", whose, first),
+                                arguments.subspan(1));
   return fmt::format("{}: expected one of the commands {}; did you mean {}?", printable(first),
                      fmt::join(commands, ", "), nearest_name(first, commands));
+}
+
+}  // namespace
+
+std::optional<std::string> explain_unknown_word(const CLI::App& app, std::span<const char* const> arguments) {
+  return explain_unknown_word(app, "palpate", arguments);
 }
 
 }  // namespace palpate::app

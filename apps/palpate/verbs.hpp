@@ -10,5 +10,13 @@ namespace palpate::app {
 
 void add_estimate(CLI::App& app, int& exit_code);
 void add_evaluate(CLI::App& app, int& exit_code);
+void add_identify(CLI::App& app, int& exit_code);
+
+// palpate identify ...
+void add_identify_stiffness(CLI::App& identify, int& exit_code);
+void add_identify_precurvature(CLI::App& identify, int& exit_code);
+void add_identify_registration(CLI::App& identify, int& exit_code);
+void add_identify_noise(CLI::App& identify, int& exit_code);
+void add_identify_delay(CLI::App& identify, int& exit_code);
 
 }  // namespace palpate::app

@@ -46,8 +46,7 @@ TEST_F(BadCatheter, HasMistypedValues) {
             "without quotes");
   EXPECT_EQ(
       refusal_with("[24.57, 0.0, 0.0]", "24.57"),
-      "c.toml:7: catheter.precurvature_per_m = 24.57: expected [3 numbers], each a curvature in 1/m, at most 1000 "
-      "(is it in 1/mm?)");
+      "c.toml:7: catheter.precurvature_per_m = 24.57: expected [3 numbers], each a curvature in 1/m, at most 1000");
   EXPECT_EQ(refusal_with("kind = \"pose\"", "kind = \"6dof\""),
             "c.toml:14: sensor.kind = \"6dof\": expected one of 'pose', 'pose5', 'position'");
   EXPECT_EQ(refusal_with("noise_deg = 0.17", "noise_deg = nan"),
