@@ -21,11 +21,7 @@ std::string_view name_of(StiffnessOptions::Method method) {
   return method == StiffnessOptions::Method::kNelderMead ? "nelder-mead" : "lm";
 }
 
-const Stiffness& stiffness_of(const Rod& rod) {
-  const auto found =
-      std::find_if(rod.sections.begin(), rod.sections.end(), [](const Section& section) { return !section.rigid; });
-  return (found == rod.sections.end() ? rod.sections.front() : *found).stiffness_Nm2;
-}
+const Stiffness& stiffness_of(const Rod& rod) { return rod.first_flexible().stiffness_Nm2; }
 
 double least_force_N(const LeftOut& left_out) { return std::max(1e-12, 1e-6 * std::abs(left_out.predicted_N)); }
 

@@ -15,12 +15,6 @@ namespace {
 
 using Unknowns = StiffnessOptions::Unknowns;
 
-const Section& first_flexible(const Rod& rod) {
-  const auto found =
-      std::find_if(rod.sections.begin(), rod.sections.end(), [](const Section& section) { return !section.rigid; });
-  return found == rod.sections.end() ? rod.sections.front() : *found;
-}
-
 /// d (ln EI1, ln EI2, ln GJ) / d ln of the unknown.
 Vector3d effect_of(const std::string& name, Unknowns unknowns, const Stiffness& K) {
   const double EI_Nm2 = K.x() + K.y();
@@ -142,7 +136,7 @@ class StiffnessEditor {
 }  // namespace
 
 Matrix3d log_stiffness_covariance(const StiffnessFit& fit, Unknowns unknowns, const Catheter& before) {
-  const Stiffness& K = first_flexible(fit.rod).stiffness_Nm2;
+  const Stiffness& K = fit.rod.first_flexible().stiffness_Nm2;
   const auto count = static_cast<Eigen::Index>(fit.unknowns.size());
   Eigen::MatrixXd covariance = fit.log_covariance;
   Eigen::Matrix3Xd effect(3, count);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -34,14 +33,8 @@ UncertaintySource source_of(ParameterKind kind) {
   return UncertaintySource::kNoise;
 }
 
-const Section& first_flexible(const Rod& rod) {
-  const auto section =
-      std::find_if(rod.sections.begin(), rod.sections.end(), [](const Section& s) { return !s.rigid; });
-  return section == rod.sections.end() ? rod.sections.front() : *section;
-}
-
 double buckling_load_N(const Rod& rod) {
-  const Stiffness& K = first_flexible(rod).stiffness_Nm2;
+  const Stiffness& K = rod.first_flexible().stiffness_Nm2;
   const double L = rod.length_m();
   return std::numbers::pi * std::numbers::pi * 0.5 * (K(0) + K(1)) / (4.0 * L * L);
 }
@@ -170,7 +163,7 @@ ShaftEstimate ForceUncertainty::shaft(const SmoothedFrame& frame) const {
 }
 
 ShaftEstimate ForceUncertainty::shaft(const Eigen::VectorXd& parameters, const Eigen::MatrixXd& covariance) const {
-  const Section& section = first_flexible(catheter_.rod);
+  const Section& section = catheter_.rod.first_flexible();
   ShaftEstimate out;
   Vector3d log_stiffness = Vector3d::Zero(), log_sigma = Vector3d::Zero();
   out.precurvature_per_m = section.precurvature_per_m;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <palpate/math/errors.hpp>
@@ -43,6 +44,11 @@ double torsional_stiffness_Nm2(double EI1_Nm2, double EI2_Nm2, double poisson_ra
 Stiffness round_shaft_stiffness(double youngs_modulus_Pa, double diameter_m, double poisson_ratio) {
   const double EI_Nm2 = youngs_modulus_Pa * std::numbers::pi * std::pow(diameter_m, 4) / 64.0;
   return {EI_Nm2, EI_Nm2, torsional_stiffness_Nm2(EI_Nm2, EI_Nm2, poisson_ratio)};
+}
+
+const Section& Rod::first_flexible() const {
+  const auto found = std::find_if(sections.begin(), sections.end(), [](const Section& s) { return !s.rigid; });
+  return found == sections.end() ? sections.front() : *found;
 }
 
 void Rod::validate() const {

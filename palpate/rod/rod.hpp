@@ -35,6 +35,8 @@ struct Rod {
   Vector3d distributed_load_base_N_per_m = Vector3d::Zero();  ///< own weight or another uniform load, base frame
 
   double length_m() const { return sections.back().to_m; }
+  /// The section whose stiffness and bend stand for the shaft's; where all are rigid, the first.
+  const Section& first_flexible() const;
   bool shears() const { return shear_stiffness_N > 0.0; }
   bool has_distributed_load() const { return !distributed_load_base_N_per_m.isZero(0.0); }
 

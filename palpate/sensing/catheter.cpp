@@ -80,11 +80,7 @@ void validate_base(const BaseRegistration& base) {
 
 }  // namespace
 
-const Vector3d& Catheter::precurvature_per_m() const {
-  const auto flexible =
-      std::find_if(rod.sections.begin(), rod.sections.end(), [](const Section& s) { return !s.rigid; });
-  return (flexible == rod.sections.end() ? rod.sections.front() : *flexible).precurvature_per_m;
-}
+const Vector3d& Catheter::precurvature_per_m() const { return rod.first_flexible().precurvature_per_m; }
 
 Catheter driven_by_map(Catheter catheter) {
   if (!catheter.tendon_map.present) return catheter;
