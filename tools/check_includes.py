@@ -17,9 +17,10 @@ ALLOWED = {
     "observer": {"math", "rod", "sensing", "estimation"},
     "identification": {"math", "rod", "sensing", "estimation"},
     "simulation": {"math", "rod", "sensing"},
-    "recording": {"math", "rod", "sensing", "observer"},
+    "recording": {"math", "rod", "sensing", "observer", "simulation"},
     "evaluation": {"math", "estimation", "observer", "recording"},
     "plot": {"math"},
+    "reproduction": {"math", "rod", "sensing", "estimation", "observer", "simulation", "evaluation", "plot"},
 }
 OUTSIDE = ("apps", "tests", "examples", "benchmarks")  # may include any room; no room may include them
 CODE = (".hpp", ".cpp", ".h", ".cc", ".ipp")

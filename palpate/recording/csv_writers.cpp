@@ -11,6 +11,11 @@ namespace palpate {
 void write_tracker_csv(const std::filesystem::path& path, const Catheter& catheter,
                        std::span<const TrackerFrame> frames) {
   OutputFile file(path);
+  write_tracker_csv(file, catheter, frames);
+  file.commit();
+}
+
+void write_tracker_csv(OutputFile& file, const Catheter& catheter, std::span<const TrackerFrame> frames) {
   file.write("time_s,frame,sensor,status,q0,qx,qy,qz,tx_mm,ty_mm,tz_mm,error_mm\n");
   for (const TrackerFrame& frame : frames) {
     for (std::size_t i = 0; i < frame.readings.size(); ++i) {
@@ -29,7 +34,6 @@ void write_tracker_csv(const std::filesystem::path& path, const Catheter& cathet
       file.write(row + fmt::format("OK,{},{:.3f},{:.3f},{:.3f},\n", rotation, t.x(), t.y(), t.z()));
     }
   }
-  file.commit();
 }
 
 void write_force_csv(const std::filesystem::path& path, std::span<const TrackerFrame> frames,

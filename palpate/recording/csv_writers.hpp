@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <palpate/recording/output_file.hpp>
 #include <palpate/sensing/catheter.hpp>
 #include <palpate/sensing/tracker_frame.hpp>
 #include <span>
@@ -13,6 +14,8 @@ namespace palpate {
 /// Throws InputError where the file cannot be written.
 void write_tracker_csv(const std::filesystem::path& path, const Catheter& catheter,
                        std::span<const TrackerFrame> frames);
+/// The same into a file that the caller commits.
+void write_tracker_csv(OutputFile& file, const Catheter& catheter, std::span<const TrackerFrame> frames);
 
 /// Writes true forces as force CSV. The spans are of one size. Throws InputError where the file cannot be written.
 void write_force_csv(const std::filesystem::path& path, std::span<const TrackerFrame> frames,

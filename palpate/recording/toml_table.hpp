@@ -34,6 +34,9 @@ class TomlTable {
             std::initializer_list<std::string_view> known_keys);
 
   bool has(std::string_view key) const { return table_->contains(key); }
+  const toml::node* find(std::string_view key) const { return table_->get(key); }  ///< null where absent
+  const std::string& file() const { return file_; }
+  std::string dotted(std::string_view key) const;  ///< the key's full name, as messages say it
 
   double number(std::string_view key, const NumberRange& range) const;
   double number(std::string_view key, const NumberRange& range, double fallback) const;
@@ -81,7 +84,6 @@ class TomlTable {
   void read_numbers(std::string_view key, const NumberRange& each, double* values, std::size_t count) const;
   bool is_text(std::string_view key, std::string_view text) const;
   [[noreturn]] void refuse_choice(std::string_view key, const std::vector<std::string_view>& names) const;
-  std::string dotted(std::string_view key) const;
 
   const toml::table* table_;
   std::string path_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <fmt/format.h>
+
 #include <palpate/rod/base_loads.hpp>
 #include <palpate/sensing/catheter.hpp>
 #include <palpate/sensing/tracker_frame.hpp>
@@ -51,8 +53,7 @@ inline Catheter mixed_sensors() {
 
 inline Catheter eight_sensors() {
   Catheter catheter = bare_catheter();
-  for (int i = 0; i < kMaxSensors; ++i)
-    catheter.sensors.push_back(sensor_at("s" + std::to_string(i), 0.07 - 0.008 * i));
+  for (int i = 0; i < kMaxSensors; ++i) catheter.sensors.push_back(sensor_at(fmt::format("s{}", i), 0.07 - 0.008 * i));
   return catheter;
 }
 
