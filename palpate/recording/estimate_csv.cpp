@@ -6,6 +6,7 @@
 #include <optional>
 #include <palpate/recording/estimate_csv.hpp>
 #include <palpate/recording/text_table.hpp>
+#include <type_traits>
 
 namespace palpate {
 
@@ -70,7 +71,41 @@ std::optional<EstimateStatus> parse_status(std::string_view text) {
   return std::nullopt;
 }
 
+/// What an estimate CSV may have beside what is needed to judge it.
+class ExtraColumns {
+ public:
+  explicit ExtraColumns(const CsvReader& csv) : csv_(csv) {
+    for (std::size_t i = 0; i < kNames.size(); ++i) column_[i] = csv.find(kNames[i]);
+  }
+  void read(EstimateRow& row) const {
+    const auto number = [&](std::size_t i, auto& out) {
+      if (column_[i]) out = static_cast<std::remove_reference_t<decltype(out)>>(csv_.finite_number(*column_[i]));
+    };
+    if (column_[0]) row.sensors_used = static_cast<int>(csv_.integer(*column_[0]));
+    number(1, row.nis);
+    if (column_[2]) row.dof = static_cast<int>(csv_.integer(*column_[2]));
+    for (int axis = 0; axis < 3; ++axis) number(static_cast<std::size_t>(3 + axis), row.shaft.stiffness_Nm2(axis));
+    for (int axis = 0; axis < 2; ++axis) number(static_cast<std::size_t>(6 + axis), row.shaft.precurvature_per_m(axis));
+  }
+
+ private:
+  static constexpr std::array<std::string_view, 8> kNames{"sensors_used", "nis",    "dof",        "EI1_Nm2",
+                                                          "EI2_Nm2",      "GJ_Nm2", "k1_0_per_m", "k2_0_per_m"};
+  const CsvReader& csv_;
+  std::array<std::optional<std::size_t>, kNames.size()> column_{};
+};
+
 }  // namespace
+
+EstimateRow row_of(const Estimate& e) {
+  EstimateRow row{.time_s = e.time_s, .force_tip_N = e.force_tip_N, .covariance_tip_N2 = e.covariance_tip_N2};
+  row.status = e.status;
+  row.sensors_used = e.sensors_used;
+  row.nis = e.nis;
+  row.dof = e.dof;
+  row.shaft = e.shaft;
+  return row;
+}
 
 std::vector<EstimateRow> read_estimate_csv(const std::filesystem::path& path) {
   const TextFile file = read_text_file(path);
@@ -81,6 +116,7 @@ std::vector<EstimateRow> read_estimate_csv(const std::filesystem::path& path) {
   for (std::size_t i = 0; i < names.size(); ++i) column[i] = csv.require(names[i]);
   const std::size_t status_column = csv.require("status");
 
+  const ExtraColumns extra(csv);
   std::vector<EstimateRow> rows;
   while (csv.next()) {
     std::array<double, 10> v{};
@@ -90,6 +126,8 @@ std::vector<EstimateRow> read_estimate_csv(const std::filesystem::path& path) {
     if (!status) csv.refuse(status_column, "UPDATED, RESEEDED, AMBIGUOUS, REJECTED, HELD, NOT_CONVERGED or STALE");
     EstimateRow row{.time_s = v[0], .force_tip_N = {v[1], v[2], v[3]}, .status = *status};
     row.covariance_tip_N2 << v[4] * v[4], v[7], v[8], v[7], v[5] * v[5], v[9], v[8], v[9], v[6] * v[6];
+    extra.read(row);
+    row.line = csv.line();
     rows.push_back(row);
   }
   return rows;

@@ -41,7 +41,15 @@ struct EstimateRow {
   Vector3d force_tip_N = Vector3d::Zero();
   Matrix3d covariance_tip_N2 = Matrix3d::Zero();
   EstimateStatus status = EstimateStatus::kHeld;
+  int sensors_used = -1;  ///< -1: the file has no such column, nor is one needed to judge the force
+  double nis = 0.0;
+  int dof = 0;               ///< 0: nothing was used, or the file has no such columns
+  ShaftEstimate shaft = {};  ///< estimated values; zero: the file has no such columns. Sigmas are not read
+  std::size_t line = 0;      ///< of the file; 0: not from a file
 };
+
+/// The same of an estimate that was just made.
+EstimateRow row_of(const Estimate& estimate);
 
 /// Throws InputError naming file, line, field and value.
 std::vector<EstimateRow> read_estimate_csv(const std::filesystem::path& path);
