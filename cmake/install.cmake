@@ -13,7 +13,8 @@ install(TARGETS palpate_identification EXPORT palpateIdentificationTargets
 if(TARGET palpate_cli)
   install(TARGETS palpate_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/palpate DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp")
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/palpate DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp"
+        PATTERN reproduction EXCLUDE)
 install(EXPORT palpateTargets NAMESPACE palpate:: DESTINATION ${palpate_config_dir})
 install(EXPORT palpateIdentificationTargets NAMESPACE palpate:: DESTINATION ${palpate_config_dir})
 

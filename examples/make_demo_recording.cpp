@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <palpate/recording/catheter_file.hpp>
 #include <palpate/recording/csv_writers.hpp>
@@ -43,10 +44,12 @@ method = "iekf"
 
 }  // namespace
 
-/// Writes demo.catheter.toml, demo.tracker.csv and demo.force.csv into the folder given: 30 s at 40 Hz.
+/// Writes demo.catheter.toml, demo.tracker.csv and demo.force.csv into the folder given: 30 s, or as many as asked for,
+/// at 40 Hz.
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::fprintf(stderr, "usage: make_demo_recording FOLDER\n");
+  const double duration_s = argc == 3 ? std::atof(argv[2]) : 30.0;
+  if (argc < 2 || argc > 3 || !(duration_s > 0.0)) {
+    std::fprintf(stderr, "usage: make_demo_recording FOLDER [SECONDS]\n");
     return 2;
   }
   try {
@@ -58,7 +61,7 @@ int main(int argc, char** argv) {
     const palpate::Catheter catheter = palpate::read_catheter_file(folder / "demo.catheter.toml").catheter;
     const palpate::VirtualRecording recording = palpate::simulate_tracker(
         catheter, palpate::beating_wall_force,
-        {.rate_hz = 40.0, .duration_s = 30.0, .seed = 7, .missing_share = 0.02, .outlier_share = 0.005});
+        {.rate_hz = 40.0, .duration_s = duration_s, .seed = 7, .missing_share = 0.02, .outlier_share = 0.005});
     palpate::write_tracker_csv(folder / "demo.tracker.csv", catheter, recording.frames);
     palpate::write_force_csv(folder / "demo.force.csv", recording.frames, recording.force_tip_N,
                              recording.force_base_N);

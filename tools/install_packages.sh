@@ -10,9 +10,13 @@ if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   exit 1
 fi
 
+# Names of what is installed and of what that provides: npm, say, may be a part of nodejs from elsewhere.
+present=$(dpkg-query -W -f='${db:Status-Status}\t${Package}, ${Provides}\n' | sed -n 's/^installed\t//p' |
+  tr ',' '\n' | sed 's/(.*//; s/ //g' | sort -u)
+
 missing=()
 while read -r package; do
-  [[ $(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) == installed ]] || missing+=("$package")
+  grep -qxF -- "$package" <<<"$present" || missing+=("$package")
 done < <(sed 's/#.*//' packages.txt | tr -s ' \t' '\n' | grep .)
 ((${#missing[@]})) || exit 0
 

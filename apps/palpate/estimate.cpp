@@ -2,12 +2,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
-#include <palpate/identification/tare.hpp>
-#include <palpate/math/units.hpp>
 #include <palpate/observer/smoothing.hpp>
 #include <palpate/recording/budget_csv.hpp>
 #include <palpate/recording/estimate_csv.hpp>
@@ -16,43 +13,13 @@
 #include "estimate_options.hpp"
 #include "estimate_report.hpp"
 #include "file_paths.hpp"
+#include "reference_tare.hpp"
 #include "time_span.hpp"
 #include "verbs.hpp"
 
 namespace palpate::app {
 
 namespace {
-
-void warn_of_doubtful_tare(const Catheter& catheter, const Tare& found, std::vector<std::string>& warnings) {
-  const BaseRegistration& base = catheter.base;
-  if (base.position_sigma_m == 0.0 && base.rotation_sigma_rad == 0.0 && catheter.precurvature_sigma_per_m.isZero(0.0))
-    warnings.emplace_back(
-        "reference: corrects nothing, for the catheter file states no position_sigma_mm, "
-        "rotation_sigma_deg or precurvature_sigma_per_m");
-  if (found.largest_change_sigmas > 4.0)
-    warnings.push_back(
-        fmt::format("reference: a correction is {:.1f} times the sigma stated for it: is the tip free of force in this "
-                    "interval?",
-                    found.largest_change_sigmas));
-  double noise_m = 0.0;
-  for (const Sensor& sensor : catheter.sensors) noise_m = std::max(noise_m, sensor.noise_m.maxCoeff());
-  if (found.residual_after_m > 5.0 * noise_m)
-    warnings.push_back(
-        fmt::format("reference: the sensors stay {:.2f} mm off: is the tip free of force in this interval?",
-                    found.residual_after_m * kMillimetresPerMetre));
-}
-
-/// The catheter as the reference interval shows it, where there is one.
-Catheter corrected_catheter(CatheterFile& file, const TrackerRecording& recording, EstimateReport& report) {
-  const ReferenceInterval& reference = file.reference;
-  if (!reference.given) return file.catheter;
-  const Tare found = tare(file.catheter, recording.frames, {reference.from_s, reference.to_s, reference.straight});
-  warn_of_doubtful_tare(file.catheter, found, file.warnings);
-  report.set_tare(found);
-  const bool driven = std::any_of(recording.frames.begin(), recording.frames.end(),
-                                  [](const TrackerFrame& frame) { return frame.bend.present; });
-  return driven ? driven_by_map(found.catheter) : found.catheter;  // a tare in one position says little of the others
-}
 
 /// What is estimated starts from the catheter file's value and sigma; the observer has a default for the sigma alone.
 void warn_of_states_without_sigma(CatheterFile& file) {
@@ -120,7 +87,9 @@ int run(const EstimateOptions& options) {
     const TimeSpan span = parse_time_span("--average", options.average);
     report.set_average(span.from_s, span.to_s);
   }
-  const Catheter catheter = corrected_catheter(file, recording, report);
+  const CorrectedCatheter corrected = correct_by_reference(file, recording, file.warnings);
+  if (corrected.tare) report.set_tare(*corrected.tare);
+  const Catheter& catheter = corrected.catheter;
   ForceObserver observer(catheter, file.observer);
   OutputFiles files(options, file.observer);
   estimate_all(options, recording, observer, files, report);

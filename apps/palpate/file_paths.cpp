@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <palpate/math/errors.hpp>
@@ -47,6 +48,12 @@ void check_paths(const std::vector<InputPath>& inputs, const std::vector<OutputP
   }
   for (const OutputPath& output : outputs)
     if (!output.path.empty()) refuse_unknown_picture(output);
+}
+
+void refuse_empty_values(const CLI::App& verb) {
+  for (const CLI::Option* option : verb.get_options())
+    for (const std::string& value : option->results())
+      if (value.empty()) throw InputError(fmt::format("{}: expected a value, found an empty one", option->get_name()));
 }
 
 void print_warnings(const std::vector<std::string>& warnings) {

@@ -38,6 +38,9 @@ int main(int argc, char** argv) {
   palpate::app::add_estimate(app, exit_code);
   palpate::app::add_evaluate(app, exit_code);
   palpate::app::add_identify(app, exit_code);
+  palpate::app::add_report(app, exit_code);
+  palpate::app::add_reproduce(app, exit_code);
+  palpate::app::add_simulate(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

@@ -11,6 +11,9 @@ namespace palpate::app {
 void add_estimate(CLI::App& app, int& exit_code);
 void add_evaluate(CLI::App& app, int& exit_code);
 void add_identify(CLI::App& app, int& exit_code);
+void add_report(CLI::App& app, int& exit_code);
+void add_reproduce(CLI::App& app, int& exit_code);
+void add_simulate(CLI::App& app, int& exit_code);
 
 // palpate identify ...
 void add_identify_stiffness(CLI::App& identify, int& exit_code);

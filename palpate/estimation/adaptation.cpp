@@ -5,7 +5,8 @@
 
 namespace palpate {
 
-NoiseAdaptation::NoiseAdaptation(int channels, int window) : channel_(static_cast<std::size_t>(channels)) {
+NoiseAdaptation::NoiseAdaptation(int channels, int window, const Limits& limits)
+    : channel_(static_cast<std::size_t>(channels)), limits_(limits) {
   for (Channel& channel : channel_) {
     channel.residual.setZero(window);
     channel.projected.setZero(window);
@@ -36,8 +37,8 @@ void NoiseAdaptation::observe(const Channels& channels, const ResidualMatrix& no
     const auto r = channel.residual.head(channel.count), projected = channel.projected.head(channel.count);
     const double samples = channel.count;
     const double matched = (r - r.mean()).square().sum() / (samples - 1.0) + projected.mean();
-    const double shrunk = (kPriorSamples + samples * matched) / (kPriorSamples + samples);
-    channel.ratio = std::clamp(shrunk, kLeastRatio, kLargestRatio);
+    const double shrunk = (limits_.prior_samples + samples * matched) / (limits_.prior_samples + samples);
+    channel.ratio = std::clamp(shrunk, limits_.least_ratio, limits_.largest_ratio);
   }
 }
 

@@ -19,8 +19,14 @@ class NoiseAdaptation {
   static constexpr double kPriorSamples = 10.0;
   static constexpr double kLeastRatio = 0.1, kLargestRatio = 1e4;
 
+  struct Limits {
+    double prior_samples = kPriorSamples;                             ///< weight of R0; 0: the window alone
+    double least_ratio = kLeastRatio, largest_ratio = kLargestRatio;  ///< of R_i / R_i,0
+  };
+
   /// Allocates the window once. window >= 2.
-  NoiseAdaptation(int channels, int window);
+  NoiseAdaptation(int channels, int window) : NoiseAdaptation(channels, window, Limits{}) {}
+  NoiseAdaptation(int channels, int window, const Limits& limits);
 
   /// Scales nominal noise R0 to D R0 D, D_ii = sqrt(ratio of the row's channel).
   void apply(const Channels& channels, ResidualMatrix& noise) const;
@@ -40,6 +46,7 @@ class NoiseAdaptation {
     double ratio = 1.0;
   };
   std::vector<Channel> channel_;
+  Limits limits_;
 };
 
 }  // namespace palpate

@@ -27,7 +27,15 @@ void note_allocation() {
 }  // namespace
 }  // namespace palpate::test
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // g++ says it so, clang by __has_feature
+#define PALPATE_SANITIZED
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define PALPATE_SANITIZED
+#endif
+#endif
+
+#ifdef PALPATE_SANITIZED
 
 // A sanitizer owns malloc and operator new, and tells of every call of either.
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const volatile void*, std::size_t),

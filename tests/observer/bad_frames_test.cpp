@@ -108,7 +108,7 @@ TEST_P(BadFrames, ImpossibleTimesAreRejectedAndTheStateStaysBitForBit) {
   without.erase(without.begin() + kChanged);
   const std::vector<Estimate> expected = test::run(catheter_, options_, without);
   for (const auto& [verdict, time_s] : times) {
-    const std::vector<Estimate> found = after([&](TrackerFrame& frame) { frame.time_s = time_s; });
+    const std::vector<Estimate> found = after([stamp_s = time_s](TrackerFrame& frame) { frame.time_s = stamp_s; });
     EXPECT_EQ(found[0].status, EstimateStatus::kRejected);
     EXPECT_EQ(found[0].time, verdict);
     EXPECT_EQ(found[0].used, 0U);
