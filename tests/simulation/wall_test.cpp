@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <tests/simulation/scenarios.hpp>
 
 /// Contact with a compliant wall.
@@ -158,14 +156,14 @@ TEST(Wall, ForceDoesNotDependOnTheFrameRate) {
     EXPECT_LT((coarse.truth[i].force_tip_N - fine.truth[2 * i].force_tip_N).norm(), 1e-10);
 }
 
-TEST(Wall, TwoThousandFramesOfABeatingWallTakeLessThanTwoSeconds) {
+TEST(Wall, BeatsAndRubsFor2000FramesOnOneBranch) {
   const Catheter catheter = test::two_sensors();
   WallLoad wall = wall_at(catheter, {0.0, 0.3, -1.0}, 5e-4);
   wall.heart = {.beats_per_min = 75.0, .amplitude_m = 4e-3, .interval_spread = 0.1, .size_spread = 0.1};
   wall.tangential_stiffness_N_per_m = 200.0, wall.friction = 0.3;
-  const auto start = std::chrono::steady_clock::now();
-  EXPECT_EQ(run_scenario(scenario_of(catheter, wall, 50.0)).truth.size(), 2000U);
-  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 2.0);
+  const VirtualRun run = run_scenario(scenario_of(catheter, wall, 50.0));
+  EXPECT_EQ(run.truth.size(), 2000U);
+  for (const ScenarioEvent& event : run.events) EXPECT_FALSE(event.instability) << event.what;
 }
 
 }  // namespace
