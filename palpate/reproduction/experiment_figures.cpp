@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 
 #include <palpate/reproduction/experiment_curves.hpp>
-#include <palpate/reproduction/experiment_parts.hpp>
 #include <palpate/reproduction/markdown.hpp>
+#include <palpate/reproduction/parts.hpp>
 
 namespace palpate::reproduction {
 namespace {

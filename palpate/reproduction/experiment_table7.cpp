@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <palpate/reproduction/experiment_parts.hpp>
 #include <palpate/reproduction/experiment_summary.hpp>
 #include <palpate/reproduction/markdown.hpp>
 #include <palpate/reproduction/paper_figures.hpp>
+#include <palpate/reproduction/parts.hpp>
 
 namespace palpate::reproduction {
 namespace {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <palpate/reproduction/experiment_parts.hpp>
 #include <palpate/reproduction/parts.hpp>
 
 namespace palpate::reproduction {

@@ -17,6 +17,13 @@ Part make_table5(const Settings& settings);
 Part make_figure7(const Settings& settings);
 Part make_table6(const Settings& settings);
 
+// Experiments I and II as virtual twins.
+Part make_figure9(const Settings& settings);
+Part make_figure10(const Settings& settings);
+Part make_table7(const Settings& settings);
+Part make_figure12(const Settings& settings);
+Part make_figure14(const Settings& settings);
+
 Part make_iterations(const Settings& settings);
 Part make_window(const Settings& settings);
 

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <palpate/reproduction/experiment_parts.hpp>
 #include <palpate/reproduction/experiment_summary.hpp>
+#include <palpate/reproduction/parts.hpp>
 
 namespace palpate::reproduction {
 namespace {
