@@ -54,7 +54,8 @@ TEST_F(Report, EstimatesByItselfAsEstimateDoes) {
 }
 
 TEST_F(Report, ShapeEndsWhereTheSensorIs) {
-  for (const nlohmann::json& moment : data()["shapes"]["moments"]) {
+  const nlohmann::json shown = data();
+  for (const nlohmann::json& moment : shown["shapes"]["moments"]) {
     const std::size_t last = moment["shaft"].size() - 3;
     double distance_mm = 0.0;
     for (std::size_t k = 0; k < 3; ++k)
