@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# After it, find_package(palpate CONFIG) gives palpate::palpate; with COMPONENTS identification also
-# palpate::identification and what that links.
+# After it, find_package(palpate CONFIG) gives palpate::palpate; with COMPONENTS identification or batch also
+# palpate::identification or palpate::batch and what that links.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -10,13 +10,19 @@ install(TARGETS palpate EXPORT palpateTargets ARCHIVE DESTINATION ${CMAKE_INSTAL
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS palpate_identification EXPORT palpateIdentificationTargets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(TARGETS palpate_batch EXPORT palpateBatchTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+        INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 if(TARGET palpate_cli)
   install(TARGETS palpate_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
+if(TARGET palpate_study_mpi)
+  install(TARGETS palpate_study_mpi RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/palpate DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp"
-        PATTERN reproduction EXCLUDE)
+        PATTERN reproduction EXCLUDE PATTERN store EXCLUDE PATTERN study EXCLUDE)
 install(EXPORT palpateTargets NAMESPACE palpate:: DESTINATION ${palpate_config_dir})
 install(EXPORT palpateIdentificationTargets NAMESPACE palpate:: DESTINATION ${palpate_config_dir})
+install(EXPORT palpateBatchTargets NAMESPACE palpate:: DESTINATION ${palpate_config_dir})
 
 # Whoever links a static library links what it links: one find_dependency for each imported target that the
 # exported one names. What is there only to build the library stands in $<BUILD_INTERFACE:...> and is not named.
@@ -34,6 +40,7 @@ function(palpate_find_dependencies target out)
 endfunction()
 palpate_find_dependencies(palpate palpate_dependencies)
 palpate_find_dependencies(palpate_identification palpate_identification_dependencies)
+palpate_find_dependencies(palpate_batch palpate_batch_dependencies)
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/palpateConfig.cmake.in
                               ${PROJECT_BINARY_DIR}/palpateConfig.cmake INSTALL_DESTINATION ${palpate_config_dir})
