@@ -29,8 +29,13 @@ inline Matrix3d exp_so3(const Vector3d& phi) {
 inline Vector3d log_so3(const Matrix3d& R) {
   Eigen::Quaterniond q(R);
   if (q.w() < 0.0) q.coeffs() = -q.coeffs();
-  const double sine = q.vec().norm();
-  if (sine < 1e-10) return 2.0 * q.vec();
+  const double s2 = q.vec().squaredNorm();
+  if (s2 < 2.5e-3) {  // asin(s) / s, to the last bit
+    const double ratio =
+        1.0 + s2 * (1.0 / 6 + s2 * (3.0 / 40 + s2 * (5.0 / 112 + s2 * (35.0 / 1152 + s2 * (63.0 / 2816)))));
+    return (2.0 * ratio) * q.vec();
+  }
+  const double sine = std::sqrt(s2);
   return (2.0 * std::atan2(sine, q.w()) / sine) * q.vec();
 }
 
@@ -49,11 +54,15 @@ inline Matrix3d right_jacobian(const Vector3d& phi) {
 /// Inverse of the left Jacobian: log(exp(eps) exp(phi)) = phi + J_l^-1(phi) eps + O(eps^2).
 /// J_l^-1 = I - hat(phi)/2 + (1/a^2 - cot(a/2)/(2a)) hat(phi)^2, a = |phi| < 2 pi.
 inline Matrix3d inverse_left_jacobian(const Vector3d& phi) {
-  const double angle = phi.norm();
-  const Matrix3d H = hat(phi);
-  const double c =
-      angle < 1e-4 ? 1.0 / 12.0 + angle * angle / 720.0 : 1.0 / (angle * angle) - 0.5 / (angle * std::tan(0.5 * angle));
-  return Matrix3d::Identity() - 0.5 * H + c * H * H;
+  const double a2 = phi.squaredNorm();
+  double c = 1.0 / 12 + a2 * (1.0 / 720 + a2 * (1.0 / 30240 + a2 * (1.0 / 1209600 + a2 / 47900160)));
+  if (a2 > 0.06) {  // below, the closed form cancels
+    const double angle = std::sqrt(a2);
+    c = 1.0 / a2 - 0.5 / (angle * std::tan(0.5 * angle));
+  }
+  Matrix3d J = c * phi * phi.transpose() - 0.5 * hat(phi);
+  J.diagonal().array() += 1.0 - c * a2;
+  return J;
 }
 
 /// Inverse of the right Jacobian: log(exp(phi) exp(eps)) = phi + J_r^-1(phi) eps + O(eps^2).

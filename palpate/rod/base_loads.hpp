@@ -8,7 +8,7 @@
 ///
 ///   find Q = R_tip_base with  Q = R_tip_base(F_tip + Q F_base, g = Q w),   e = log(Q^T R_tip_base) = 0
 ///
-/// solved by Newton's method on SO(3) with the exact Jacobian of the discretised rod.
+/// solved by Newton's method on SO(3) with the rod's own sensitivities.
 namespace palpate {
 
 // ---------------------------------------------------------------------------------------------------------------

@@ -87,7 +87,8 @@ inline constexpr Tableau<11> kCooperVerner8 = [] {
 }();
 
 /// Dormand and Prince's method of order 8 in 12 stages with the least error constants of its kind: Hairer, Norsett,
-/// Wanner, Solving Ordinary Differential Equations I, section II.5 (DOP853). What the rod is integrated with.
+/// Wanner, Solving Ordinary Differential Equations I, section II.5 (DOP853). What the rod is integrated with, but for a
+/// short piece at the tip (step_rule.hpp).
 inline constexpr Tableau<12> kDormandPrince8{
     .a = {{{},
            {5.26001519587677318785587544488e-2},
@@ -118,21 +119,55 @@ inline constexpr Tableau<12> kDormandPrince8{
           -1.52160949662516078556178806805e-1, 2.01365400804030348374776537501e-1, 4.47106157277725905176885569043e-2},
 };
 
-/// One step of `method` on a vector-space state; `field(s, y, dy)` writes the derivative. The stages are a loop, not
-/// unrolled code: the field is large, and twelve copies of it would neither run nor compile faster.
-template <const auto& method, class T, class State, class Field>
-inline void runge_kutta_step(const T& s, const T& h, State& y, const Field& field) {
+/// The coefficients of `method` that are not zero, stage by stage; row `Stages` is the end of the step.
+template <int Stages>
+struct SparseTableau {
+  struct Term {
+    int stage;
+    double weight;
+  };
+  std::array<int, Stages + 1> count{};
+  std::array<std::array<Term, Stages>, Stages + 1> terms{};
+};
+
+template <int Stages>
+constexpr SparseTableau<Stages> sparse(const Tableau<Stages>& method) {
+  SparseTableau<Stages> out;
+  for (int i = 0; i <= Stages; ++i)
+    for (int j = 0; j < (i < Stages ? i : Stages); ++j) {
+      const double weight = i < Stages ? method.a[i][j] : method.b[j];
+      if (weight != 0.0) out.terms[i][out.count[i]++] = {j, weight};
+    }
+  return out;
+}
+
+/// One step of `method` on a state of `blocks` times Block numbers, at most MostBlocks times; `field(s, y, dy)` writes
+/// the derivative. A block's sums stay in registers. The stages are a loop, not unrolled code: twelve copies of a large
+/// field would not fit the instruction cache.
+template <const auto& method, int Block, int MostBlocks, class T, class Field>
+[[gnu::always_inline]] inline void runge_kutta_step(const T& s, const T& h, int blocks, T* y, const Field& field) {
   constexpr int stages = std::decay_t<decltype(method)>::stages;
-  constexpr auto c = nodes(method);
-  std::array<State, stages> k;
+  static constexpr auto tableau = sparse(method);
+  static constexpr auto c = nodes(method);
+  T k[stages][Block * MostBlocks];
+  T stage[Block * MostBlocks];
+  const auto combine = [&](int i, T* out) __attribute__((always_inline)) {
+    for (int first = 0; first < Block * blocks; first += Block) {
+      T sum[Block];
+      for (int n = 0; n < Block; ++n) sum[n] = y[first + n];
+      for (int t = 0; t < tableau.count[i]; ++t) {
+        const auto& term = tableau.terms[i][t];
+        const T weight = h * T(term.weight);
+        for (int n = 0; n < Block; ++n) sum[n] = sum[n] + weight * k[term.stage][first + n];
+      }
+      for (int n = 0; n < Block; ++n) out[first + n] = sum[n];
+    }
+  };
   for (int i = 0; i < stages; ++i) {
-    State stage = y;
-    for (int j = 0; j < i; ++j)
-      if (method.a[i][j] != 0.0) stage += T(h * T(method.a[i][j])) * k[j];
-    field(T(s + T(c[i]) * h), stage, k[i]);
+    combine(i, stage);
+    field(s + h * T(c[i]), stage, k[i]);
   }
-  for (int i = 0; i < stages; ++i)
-    if (method.b[i] != 0.0) y += T(h * T(method.b[i])) * k[i];
+  combine(stages, y);
 }
 
 }  // namespace palpate

@@ -9,23 +9,16 @@
 #include <palpate/math/errors.hpp>
 #include <palpate/rod/integration.hpp>
 #include <palpate/rod/statics.hpp>
+#include <palpate/rod/step_rule.hpp>
 
 namespace palpate {
 
 namespace {
 
-// Measured by benchmarks/integrators: the largest angles that keep the promised accuracy, with a margin of two.
-constexpr double kRealtimeAngle = 1.25;
-constexpr double kReferenceAngle = 0.65;
-
-// Steps of one piece at most: enough for a thousand times the loads a catheter sees, and a bound on the time of a solve
-// whatever an estimator tries.
-constexpr int kMostSteps = 200;
-
-/// Also defined for loads that are not finite; the solution then is not either.
-int step_count(double steps) {
-  return steps < kMostSteps ? std::max(1, static_cast<int>(std::ceil(steps))) : kMostSteps;
-}
+// Measured by benchmarks/integrators: the largest angles of a step of order 8 that keep the promised accuracy, with a
+// margin of two. The short piece at the tip adds a hundredth of it (docs/theory/integrators.md).
+constexpr rod_lanes::StepRule kRealtimeSteps{.angle = 1.25, .short_angle = 0.45};
+constexpr rod_lanes::StepRule kReferenceSteps{.angle = 0.65, .short_angle = 0.0};
 
 std::vector<double> stops_from_tip(const Rod& rod, std::span<const double> arc_lengths_m) {
   const double length = rod.length_m();
@@ -40,6 +33,15 @@ std::vector<double> stops_from_tip(const Rod& rod, std::span<const double> arc_l
   return stops;
 }
 
+rod_lanes::MarchKernel* kernel_of(InstructionSet set) {
+  if (!available(set)) throw InputError(fmt::format("instructions {}: this processor lacks them", name(set)));
+#if defined(__x86_64__)
+  if (set == InstructionSet::kAvx512) return rod_lanes::march_avx512;
+  if (set == InstructionSet::kAvx2) return rod_lanes::march_avx2;
+#endif
+  return rod_lanes::march_baseline;
+}
+
 int section_at(const Rod& rod, double s) {
   int index = 0;
   while (index + 1 < static_cast<int>(rod.sections.size()) && s >= rod.sections[index].to_m) ++index;
@@ -48,11 +50,12 @@ int section_at(const Rod& rod, double s) {
 
 }  // namespace
 
-RodSolver::RodSolver(Rod rod, std::span<const double> arc_lengths_m, Accuracy accuracy)
+RodSolver::RodSolver(Rod rod, std::span<const double> arc_lengths_m, Accuracy accuracy, InstructionSet instructions)
     : rod_(std::move(rod)),
       arc_lengths_m_(arc_lengths_m.begin(), arc_lengths_m.end()),
       station_order_(arc_lengths_m.size()),
-      angle_per_step_(accuracy == Accuracy::kRealtime ? kRealtimeAngle : kReferenceAngle) {
+      step_rule_(accuracy == Accuracy::kRealtime ? kRealtimeSteps : kReferenceSteps),
+      kernel_(kernel_of(instructions)) {
   rod_.validate();
   const double length = rod_.length_m(), reach = length + rod_.rigid_tip_m, slack = 1e-9 * length;
   for (const double s : arc_lengths_m_)
@@ -88,7 +91,7 @@ double RodSolver::curvature_bound_per_m(const TipLoad& load) const {
   const double least_stiffness_Nm2 = least_stiffness_Nm2_.cwiseQuotient(compliance_factor(load)).minCoeff();
   double unloaded = 0.0;
   for (const Section& section : rod_.sections)
-    unloaded = std::max(unloaded, rod_field::unloaded_curvature(section, load).norm());
+    unloaded = std::max(unloaded, rod_lanes::unloaded_curvature(section, load).norm());
   return unloaded + (moment.norm() + load.tendon_couple_Nm.norm()) / least_stiffness_Nm2 +
          2.0 * std::sqrt(force / least_stiffness_Nm2);
 }
@@ -103,34 +106,44 @@ RodSolution<N> RodSolver::make_solution() const {
 
 template <int N>
 void RodSolver::solve(const TipLoad& load, const LoadDirections<N>& directions, RodSolution<N>& solution) const {
+  using namespace rod_lanes;
   assert(solution.points.size() == arc_lengths_m_.size());
-  const bool distributed = !load.distributed_tip_N_per_m.isZero(0.0) || !directions.distributed_tip_N_per_m.isZero(0.0);
-  if (rod_.shears() || distributed)
-    integrate<N, true>(load, directions, solution);
-  else
-    integrate<N, false>(load, directions, solution);
+  const bool full =
+      rod_.shears() || !load.distributed_tip_N_per_m.isZero(0.0) || !directions.distributed_tip_N_per_m.isZero(0.0);
+  const double curvature_per_m = curvature_bound_per_m(load);
+  MarchState state;
+  MarchField field;
+  MarchRecord at_tip, record;
+  set_tip<N>(state);
+  set_load(rod_, load, directions, field);
+  const Section* section = nullptr;
+  for (const Piece& piece : pieces_) {
+    const Section* next = &rod_.sections[piece.section];
+    if (section != next) set_section(rod_, *next, load, directions, field);
+    section = next;
+    const bool first = piece.from_sigma_m == 0.0, stations = piece.first_station < piece.end_station;
+    kernel_({piece.from_sigma_m, piece.length_m, steps_over(piece.length_m * curvature_per_m, first, step_rule_)}, full,
+            N + 1, field, state, first ? &at_tip : nullptr, stations ? &record : nullptr);
+    if (first) keep_tip(at_tip, full, load, directions, solution);
+    for (int k = piece.first_station; k < piece.end_station; ++k)
+      keep(state, record, full, load, directions, station_order_[k], solution);
+  }
+  to_base_frame(state, solution);
 }
 
-template <int N, bool Full>
-void RodSolver::integrate(const TipLoad& load, const LoadDirections<N>& directions, RodSolution<N>& solution) const {
-  using namespace rod_field;
-  const double steps_per_m = curvature_bound_per_m(load) / angle_per_step_;
-  State<double, N, Full> y = State<double, N, Full>::Zero();
-  y(0, 0) = 1.0;
-
+/// Stations at the flexible end, and on the rigid tip beyond.
+template <int N>
+void RodSolver::keep_tip(const rod_lanes::MarchRecord& record, bool full, const TipLoad& load,
+                         const LoadDirections<N>& directions, RodSolution<N>& solution) const {
+  if (stations_at_tip_ == 0) return;
+  rod_lanes::MarchState tip;
+  rod_lanes::set_tip<N>(tip);
   for (int k = 0; k < stations_at_tip_; ++k) {
     const int station = station_order_[k];
-    record_rigid_tip<N>(rod_, load, directions, arc_lengths_m_[station] - rod_.length_m(), station, solution);
+    rod_lanes::keep(tip, record, full, load, directions, station, solution);
+    const double beyond_m = arc_lengths_m_[station] - rod_.length_m();
+    if (beyond_m >= 1e-12 * rod_.length_m()) rod_lanes::onto_rigid_tip(beyond_m, load, directions, station, solution);
   }
-  for (const Piece& piece : pieces_) {
-    const Parameters<double, N> p = section_parameters(rod_, rod_.sections[piece.section], load, directions);
-    const int steps = step_count(piece.length_m * steps_per_m);
-    integrate_piece<kDormandPrince8, Full>(piece.from_sigma_m, piece.length_m, steps, p, y);
-    const double sigma = piece.from_sigma_m + piece.length_m;
-    for (int k = piece.first_station; k < piece.end_station; ++k)
-      record<Full>(sigma, y, p, load, directions, station_order_[k], solution);
-  }
-  to_base_frame<Full>(y, solution);
 }
 
 #define PALPATE_INSTANTIATE(N)                                 \

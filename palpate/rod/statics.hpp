@@ -2,7 +2,10 @@
 #pragma once
 
 #include <palpate/math/pose.hpp>
+#include <palpate/rod/instruction_set.hpp>
+#include <palpate/rod/march_kernel.hpp>
 #include <palpate/rod/rod.hpp>
+#include <palpate/rod/step_rule.hpp>
 #include <span>
 #include <vector>
 
@@ -78,9 +81,11 @@ enum class Accuracy {
 /// A rod cut at its section boundaries and at the stations of interest, ready to be integrated. Immutable.
 class RodSolver {
  public:
-  /// `arc_lengths_m`: stations in [0, length + rigid tip], any order. Throws InputError on a station outside.
+  /// `arc_lengths_m`: stations in [0, length + rigid tip], any order. Throws InputError on a station outside,
+  /// and on instructions that this processor lacks.
   /// At a section boundary the strain is that of the section on the tip's side.
-  RodSolver(Rod rod, std::span<const double> arc_lengths_m, Accuracy accuracy = Accuracy::kRealtime);
+  RodSolver(Rod rod, std::span<const double> arc_lengths_m, Accuracy accuracy = Accuracy::kRealtime,
+            InstructionSet instructions = preferred_instruction_set());
 
   const Rod& rod() const { return rod_; }
   std::span<const double> arc_lengths_m() const { return arc_lengths_m_; }
@@ -93,8 +98,7 @@ class RodSolver {
   void solve(const TipLoad& load, const LoadDirections<N>& directions, RodSolution<N>& solution) const;
   void solve(const TipLoad& load, RodSolution<0>& solution) const { solve<0>(load, {}, solution); }
 
-  /// Angle per step [rad] that bounds the error of one step; chosen from docs/theory/integrators.md.
-  double angle_per_step() const { return angle_per_step_; }
+  const rod_lanes::StepRule& step_rule() const { return step_rule_; }
 
   /// Largest curvature to expect along the rod [1/m], for the step rule: |u0| + |M|/EI + 2 sqrt(|F|/EI), EI the least
   /// of the stiffnesses, both as `load` changes them. A bound for a uniform rod of equal stiffnesses, along which
@@ -118,10 +122,12 @@ class RodSolver {
   int stations_at_tip_ = 0;         ///< how many of them lie at or beyond the flexible end
   std::vector<Piece> pieces_;
   Vector3d least_stiffness_Nm2_ = Vector3d::Zero();  ///< each over the flexible sections, as described
-  double angle_per_step_ = 0.0;
+  rod_lanes::StepRule step_rule_;
+  rod_lanes::MarchKernel* kernel_;
 
-  template <int N, bool Full>
-  void integrate(const TipLoad& load, const LoadDirections<N>& directions, RodSolution<N>& solution) const;
+  template <int N>
+  void keep_tip(const rod_lanes::MarchRecord& record, bool full, const TipLoad& load,
+                const LoadDirections<N>& directions, RodSolution<N>& solution) const;
 };
 
 }  // namespace palpate

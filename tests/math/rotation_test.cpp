@@ -38,7 +38,8 @@ TEST(Rotation, ExpAgreesWithItsPowerSeriesAtEveryScale) {
 
 TEST(Rotation, LogInvertsExpNearZeroAndNearHalfATurn) {
   std::mt19937_64 random(2);
-  for (const double angle : {1e-14, 1e-11, 1e-9, 1e-5, 0.1, 1.0, 3.0, std::numbers::pi - 1e-6, std::numbers::pi - 1e-9})
+  for (const double angle :
+       {1e-14, 1e-11, 1e-9, 1e-5, 0.0999, 0.1001, 0.1, 1.0, 3.0, std::numbers::pi - 1e-6, std::numbers::pi - 1e-9})
     for (int i = 0; i < 50; ++i) {
       const Vector3d phi = angle * random_vector(random, 1.0).normalized();
       EXPECT_LT((log_so3(exp_so3(phi)) - phi).norm(), 1e-15 + 1e-14 * angle) << phi.transpose();
@@ -57,6 +58,21 @@ TEST(Rotation, InverseJacobiansAreDerivativesOfLog) {
       EXPECT_LT((left - inverse_left_jacobian(phi).col(k)).norm(), 1e-8) << angle;
       EXPECT_LT((right - inverse_right_jacobian(phi).col(k)).norm(), 1e-8) << angle;
     }
+  }
+}
+
+/// J_l^-1 phi = phi, and with J_l = I + b hat(phi) + c hat(phi)^2 by its power series, in long double: both sides of
+/// the angle (0.245 rad) where a series takes over.
+TEST(Rotation, InverseLeftJacobianInvertsTheSeries) {
+  using Mat = Eigen::Matrix<long double, 3, 3>;
+  std::mt19937_64 random(4);
+  for (const double angle : {1e-9, 1e-4, 0.1, 0.2449, 0.245, 0.2451, 0.5, 3.0}) {
+    const Vector3d phi = angle * random_vector(random, 1.0).normalized();
+    const Mat H = hat(phi).cast<long double>();
+    Mat J = Mat::Identity(), term = Mat::Identity();
+    for (int k = 1; k < 60; ++k) J += term = term * H / (k + 1);
+    const Mat product = J * inverse_left_jacobian(phi).cast<long double>();
+    EXPECT_LT(static_cast<double>((product - Mat::Identity()).norm()), 2e-15) << angle;
   }
 }
 

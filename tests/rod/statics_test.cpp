@@ -103,7 +103,7 @@ TEST(Statics, RealtimeSettingHoldsOneMillionthOfTheLengthOnThePapersCatheter) {
     const RodPoint reference = test::solve(rod, load, {rod.length_m()}, Accuracy::kReference).points[0];
     worst.take(realtime, reference.T_base_local, reference.curvature_per_m, rod.length_m());
     const RodSolver solver(rod, std::vector{rod.length_m()});
-    steps += std::ceil(rod.length_m() * solver.curvature_bound_per_m(load) / solver.angle_per_step()) / kTrials;
+    steps += std::ceil(rod.length_m() * solver.curvature_bound_per_m(load) / solver.step_rule().angle) / kTrials;
   }
   report("realtime_on_the_papers_catheter", worst);
   std::cout << fmt::format("[ measured ] mean steps {:.2f}\n", steps);

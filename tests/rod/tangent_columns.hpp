@@ -68,9 +68,11 @@ Column differences(const RodSolution<N>& p, const RodSolution<N>& base) {
 
 inline std::vector<int> step_counts(const RodSolver& solver, const TipLoad& load) {
   std::vector<int> counts;
-  for (const RodSolver::Piece& piece : solver.pieces())
-    counts.push_back(
-        static_cast<int>(std::ceil(piece.length_m * solver.curvature_bound_per_m(load) / solver.angle_per_step())));
+  for (const RodSolver::Piece& piece : solver.pieces()) {
+    const double angle = piece.length_m * solver.curvature_bound_per_m(load);
+    const rod_lanes::Steps steps = rod_lanes::steps_over(angle, piece.from_sigma_m == 0.0, solver.step_rule());
+    counts.push_back(steps.sixth_order ? 0 : steps.count);
+  }
   return counts;
 }
 

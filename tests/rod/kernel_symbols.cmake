@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: Apache-2.0
+# cmake -D NM=... -D LIBRARIES=libpalpate.a;libpalpate_batch.a -P kernel_symbols.cmake
+# A function that a wide kernel shares with any other source (std::max, say) may be kept by the linker in its wide form,
+# and an older processor then stops at it. So every weak symbol of a wide kernel must be its own: no other object has it,
+# and it names a SIMD type, which the rest of the program does not use.
+set(wide "")
+foreach(library IN LISTS LIBRARIES)
+  execute_process(COMMAND ${NM} --defined-only ${library} OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
+  string(REPLACE ";" "," symbols "${symbols}")
+  string(REPLACE "\n" ";" symbols "${symbols}")
+  set(object "")
+  foreach(line IN LISTS symbols)
+    if(line MATCHES "^([A-Za-z0-9_]+\\.cpp\\.o):$")
+      set(object ${CMAKE_MATCH_1})
+    elseif(line MATCHES " [WVu] (.*)$")
+      set(symbol "${CMAKE_MATCH_1}")
+      list(APPEND objects_of_${symbol} ${object})
+      if(object MATCHES "_avx(2|512)\\.cpp" AND NOT symbol MATCHES "^DW\\.ref\\.")
+        list(APPEND wide ${symbol})
+      endif()
+    endif()
+  endforeach()
+endforeach()
+if(NOT wide)
+  message(SEND_ERROR "no weak symbol in any wide kernel: not what this check was written for")
+endif()
+foreach(symbol IN LISTS wide)
+  list(LENGTH objects_of_${symbol} owners)
+  if(owners GREATER 1 OR NOT symbol MATCHES "5xsimd5batch")
+    message(SEND_ERROR "${objects_of_${symbol}}: ${symbol} may be shared")
+  endif()
+endforeach()
