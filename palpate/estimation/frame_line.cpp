@@ -1,10 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <cmath>
 #include <palpate/estimation/frame_line.hpp>
+#include <palpate/estimation/whitened.hpp>
 
 namespace palpate {
+
+/// [W^-1 J, W^-1 r] = Q [R_1 r_1; 0 r_2].
+void compress(FrameLine& line) {
+  const Eigen::Index m = line.residual.size();
+  if (line.by_parameters.cols() > 0 || m <= 3) return;
+  const NoiseFactor noise(line.noise);
+  if (!noise.definite()) return;
+  FrameLine::Rows<4> rows(m, 4);
+  rows << line.by_force, line.residual;
+  noise.whiten_rows(rows);
+  const Eigen::HouseholderQR<FrameLine::Rows<4>> qr(rows);
+  const Eigen::Matrix<double, 3, 4> R = qr.matrixQR().topRows<3>().triangularView<Eigen::Upper>();
+  line.by_force = R.leftCols<3>();
+  line.residual = R.col(3);
+  line.by_parameters.resize(3, 0);
+  line.noise.setIdentity(3, 3);
+}
 
 bool hide_axial_force(double weak_N, bool hidden_before, const Eigen::MatrixXd& parameter_covariance, FrameLine& line) {
   constexpr double kSeenAgain = 0.6;

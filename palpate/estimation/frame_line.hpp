@@ -23,6 +23,11 @@ struct FrameLine {
   Eigen::Index hiding_rows = 0;
 };
 
+/// The same said in three rows with unit noise, where it speaks of the force alone: of the rows whitened, those that an
+/// orthogonal transformation leaves with the force in them. What is lost, the misfit, no correction depends on. Left as
+/// it is where there are parameters, no more than three rows, or the noise is not positive definite.
+void compress(FrameLine& line);
+
 /// Hides the axial force from a frame that knows it worse than `weak_N`, noise and parameters (of covariance P_pp)
 /// together; true where it did. An axial force acts on a shaft through its bend, as 1 / (1 - F / F_E) does on a column:
 /// beyond some share of the buckling load F_E its effect is no straight line, and where there is hardly a bend, it is a

@@ -19,7 +19,7 @@ namespace palpate {
 ///
 /// absorb() first lets the frame tune the process noise, then repeats the prediction with it: the step that led to a
 /// frame is judged by the frame, so that a sudden movement finds the covariance already open. No call but the
-/// constructor allocates or throws; about 3 us a frame with constant velocity, 20 us with rhythm, without parameters.
+/// constructor allocates or throws; a few us a frame with constant velocity, 20 us with rhythm, without parameters.
 class MotionFilter {
  public:
   /// Process noise adapted from the data. Throws InputError where the options are not usable.

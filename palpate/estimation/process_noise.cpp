@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <palpate/estimation/process_noise.hpp>
 #include <palpate/math/errors.hpp>
 #include <string>
@@ -63,42 +62,43 @@ ProcessNoise::ProcessNoise(const MotionModel& model, const ProcessNoiseOptions& 
   for (int i = 0; i < 3; ++i) {
     Axis& axis = axes_[static_cast<std::size_t>(i)];
     axis.weight = prior_weight_;
-    axis.followers.fill(start(i));
+    for (std::size_t g = 0; g < kGrid; ++g) restart(i, g, axis);
   }
 }
 
 /// Before the first frame, and again where a filter has been blind for so long that its variance means nothing.
-ProcessNoise::Follower ProcessNoise::start(int axis) const {
-  Follower out;
+void ProcessNoise::restart(int axis, std::size_t g, Axis& out) const {
   const double rate = has_rate_ ? motion_.rate_sigma_N_per_s : 0.0, disturbance = motion_.disturbance_rms_N(axis);
-  out.covariance.diagonal() << motion_.force_sigma_N * motion_.force_sigma_N, rate * rate, disturbance * disturbance;
-  return out;
+  out.x[g] = out.v[g] = out.d[g] = out.xv[g] = out.xd[g] = out.vd[g] = 0.0;
+  out.xx[g] = motion_.force_sigma_N * motion_.force_sigma_N;
+  out.vv[g] = rate * rate;
+  out.dd[g] = disturbance * disturbance;
 }
 
+/// x' = x + t v, v' = k v, d' = e d, and P' = A P A^T + q^2 Q.
 void ProcessNoise::predict(double dt_s) {
   const FadingRate fading(dt_s, motion_.rate_memory_s);
-  const double keep = std::exp(-dt_s / motion_.disturbance_memory_s), lost = 1.0 - keep * keep;
-  Matrix3d A = Matrix3d::Identity(), unit_noise = Matrix3d::Zero();
-  A(2, 2) = keep;
-  unit_noise(0, 0) = dt_s;
-  if (has_rate_) {
-    A(0, 1) = fading.travel_s;
-    A(1, 1) = fading.keep;
-    unit_noise(0, 0) = fading.variance(0);
-    unit_noise(0, 1) = unit_noise(1, 0) = fading.variance(1);
-    unit_noise(1, 1) = fading.variance(2);
-  }
+  const double e = std::exp(-dt_s / motion_.disturbance_memory_s), lost = 1.0 - e * e;
+  const double t = has_rate_ ? fading.travel_s : 0.0, k = has_rate_ ? fading.keep : 1.0;
+  const Vector3d Q = has_rate_ ? fading.variance : Vector3d(dt_s, 0.0, 0.0);
   for (int i = 0; i < 3; ++i) {
-    Axis& axis = axes_[static_cast<std::size_t>(i)];
-    const double disturbance = motion_.disturbance_rms_N(i);
+    Axis& a = axes_[static_cast<std::size_t>(i)];
+    const double refilled = lost * motion_.disturbance_rms_N(i) * motion_.disturbance_rms_N(i);
     for (std::size_t g = 0; g < kGrid; ++g) {
-      Follower& f = axis.followers[g];
-      f.mean = A * f.mean;
-      f.covariance = A * f.covariance * A.transpose() + grid_[g] * grid_[g] * unit_noise;
-      f.covariance(2, 2) += lost * disturbance * disturbance;
-      if (f.covariance(0, 0) > kUnseen_N * kUnseen_N) f = start(i);
+      const double q2 = grid_[g] * grid_[g];
+      a.x[g] += t * a.v[g];
+      a.v[g] *= k;
+      a.d[g] *= e;
+      a.xx[g] += t * (2.0 * a.xv[g] + t * a.vv[g]) + q2 * Q(0);
+      a.xv[g] = k * (a.xv[g] + t * a.vv[g]) + q2 * Q(1);
+      a.vv[g] = k * k * a.vv[g] + q2 * Q(2);
+      a.xd[g] = e * (a.xd[g] + t * a.vd[g]);
+      a.vd[g] *= k * e;
+      a.dd[g] = e * e * a.dd[g] + refilled;
     }
-    mix_weights(dt_s, axis.weight);
+    for (std::size_t g = 0; g < kGrid; ++g)
+      if (a.xx[g] > kUnseen_N * kUnseen_N) restart(i, g, a);
+    mix_weights(dt_s, a.weight);
   }
 }
 
@@ -119,10 +119,10 @@ void ProcessNoise::mix_weights(double dt_s, Weights& weight) const {
 }
 
 void ProcessNoise::jump() {
-  for (Axis& axis : axes_)
-    for (Follower& f : axis.followers) {
-      f.covariance(0, 0) += motion_.force_sigma_N * motion_.force_sigma_N;
-      if (has_rate_) f.covariance(1, 1) += motion_.rate_sigma_N_per_s * motion_.rate_sigma_N_per_s;
+  for (Axis& a : axes_)
+    for (std::size_t g = 0; g < kGrid; ++g) {
+      a.xx[g] += motion_.force_sigma_N * motion_.force_sigma_N;
+      if (has_rate_) a.vv[g] += motion_.rate_sigma_N_per_s * motion_.rate_sigma_N_per_s;
     }
 }
 
@@ -138,22 +138,32 @@ void ProcessNoise::observe(const ForceLikelihood& likelihood, const ForceGaussia
     if (R(i, i) < kUseless_N * kUseless_N) observe_axis(z(i), R(i, i), axes_[static_cast<std::size_t>(i)]);
 }
 
-void ProcessNoise::observe_axis(double z_N, double variance_N2, Axis& axis) const {
-  std::array<double, kGrid> log_likelihood{};
-  double best = -std::numeric_limits<double>::infinity();
+/// Level and disturbance are seen: nu = z - x - d, S = P_x + P_d + R with P_x = P_xx + P_xd and so on.
+void ProcessNoise::observe_axis(double z_N, double variance_N2, Axis& a) const {
+  Weights S{}, distance{};
   for (std::size_t g = 0; g < kGrid; ++g) {
-    Follower& f = axis.followers[g];
-    const Vector3d PH = f.covariance.col(0) + f.covariance.col(2);  // h = (1, 0, 1): level and disturbance are seen
-    const double S = PH(0) + PH(2) + variance_N2, nu = z_N - f.mean(0) - f.mean(2);
-    log_likelihood[g] = -0.5 * (std::log(S) + nu * nu / S);
-    best = std::max(best, log_likelihood[g]);
-    f.mean += PH * (nu / S);
-    f.covariance -= PH * PH.transpose() / S;
+    const double Px = a.xx[g] + a.xd[g], Pv = a.xv[g] + a.vd[g], Pd = a.xd[g] + a.dd[g];
+    S[g] = Px + Pd + variance_N2;
+    const double nu = z_N - a.x[g] - a.d[g], gain = nu / S[g];
+    distance[g] = nu * gain;
+    a.x[g] += Px * gain;
+    a.v[g] += Pv * gain;
+    a.d[g] += Pd * gain;
+    a.xx[g] -= Px * Px / S[g];
+    a.xv[g] -= Px * Pv / S[g];
+    a.vv[g] -= Pv * Pv / S[g];
+    a.xd[g] -= Px * Pd / S[g];
+    a.vd[g] -= Pv * Pd / S[g];
+    a.dd[g] -= Pd * Pd / S[g];
   }
-  for (std::size_t g = 0; g < kGrid; ++g) axis.weight[g] *= std::exp(log_likelihood[g] - best);
+  // Likelihoods over that of the best: exp((least - (distance + ln S)) / 2), the logarithm left out of the exponent.
+  const double least = *std::min_element(distance.begin(), distance.end());
+  for (std::size_t g = 0; g < kGrid; ++g)
+    a.weight[g] *= std::exp(0.5 * (least - distance[g])) * std::sqrt(variance_N2 / S[g]);
+  normalise(a.weight);
   // The chain keeps every weight above rounding, but not without time passing between frames.
-  for (double& w : axis.weight) w = std::max(w, 1e-12);
-  normalise(axis.weight);
+  for (double& w : a.weight) w = std::max(w, 1e-12);
+  normalise(a.weight);
 }
 
 Vector3d ProcessNoise::drive_ahead(double ahead_s) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <concepts>
+#include <limits>
 #include <palpate/math/linearization.hpp>
 
 /// What every measurement update takes and gives. The filters know no rods.
@@ -34,10 +35,12 @@ enum class Damping {
 
 struct UpdateOptions {
   int max_iterations = 15;       ///< steps tried; each costs one evaluation; range [1, 100]
-  double step_tolerance = 1e-2;  ///< converged when the next step is this small, in posterior sigmas; range (0, 1]
+  double step_tolerance = 2e-2;  ///< converged when so far from the maximum at most, in posterior sigmas; range (0, 1]
   Damping damping = Damping::kLevenbergMarquardt;
   double tail_degrees = 0.0;  ///< nu of a Student t tail, block by block; 0: Gaussian; otherwise range [1, 100]
-  int nuisance_states = 0;    ///< the last so many states are parameters: their prior counts as data, not as prediction
+  /// Where the steps so far promise no lower cost than this, the rest is spared: kNotConverged.
+  double hopeless_cost = std::numeric_limits<double>::infinity();
+  int nuisance_states = 0;  ///< the last so many states are parameters: their prior counts as data, not as prediction
 };
 
 enum class UpdateStatus {
@@ -71,8 +74,9 @@ struct Update {
   int rows = 0;
   int evaluations = 0;        ///< of the model
   ResidualVector innovation;  ///< residual where the search began: at the prior mean, unless told otherwise
-  Linearization at;           ///< at the posterior mean, but for a last step below the tolerance
-  UpdateLine line;            ///< what a linear filter makes the same posterior of
+  /// At the posterior mean; for an iterated update as the line has it, with the last Jacobian.
+  Linearization at;
+  UpdateLine line;  ///< what a linear filter makes the same posterior of
 };
 
 }  // namespace palpate

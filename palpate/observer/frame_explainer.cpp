@@ -54,7 +54,8 @@ int FrameExplainer::most_evaluations(const ObserverOptions& options, int sensors
   const int own_update = 1 + options.max_iterations + (is_single_step(options.method) ? 2 * states + 1 : 0);
   // With one evaluation left, a search still begins a seed and then, from that seed, an update.
   const int late = ForceSeeds::kMostEvaluations + ForceSeeds::kDirections + options.max_iterations;
-  return own_update + kSearch + late + sensors * (own_update + kShortSearch + late) + 2;
+  const int again = 1 + options.max_iterations;  // where the update was given up too early
+  return own_update + kSearch + late + again + sensors * (own_update + kShortSearch + late + again) + 2;
 }
 
 EstimateStatus FrameExplainer::explain(Measurement& measurement, const SeenBelief& prediction) {
@@ -71,8 +72,9 @@ EstimateStatus FrameExplainer::explain(Measurement& measurement, const SeenBelie
   anywhere_.set(prediction, states(), options_.initial_force_sigma_N);
   if (shape_.rows() <= kForceStates) return explain_lone_point(present);
   jumped_ = true;
-  if (fits_any_force(present, search_)) return take(anywhere_, present);
-  return explain_without_one_sensor(measurement, present);
+  if (!fits_any_force(present, search_)) return explain_without_one_sensor(measurement, present);
+  jumped_ = !fits_prediction_after_all();
+  return take(jumped_ ? anywhere_ : prediction_, present);
 }
 
 /// The usual case: the filter's own update, and nothing about it is surprising. Where a single step (EKF, UKF) does not
@@ -89,8 +91,34 @@ bool FrameExplainer::fits_prediction(unsigned sensors) {
     if (converged(update_.status) && agrees_with_prediction() && agrees_with_itself()) return true;
     searched_ = true;
   }
+  local_.hopeless_cost = hopeless_cost();
   iterated_update(frame, prior, prior.mean, local_, update_);
+  given_up_ = update_.status == UpdateStatus::kNotConverged;
   return converged(update_.status) && agrees_with_prediction();
+}
+
+/// Twice what agrees_with_prediction() lets pass. The promise of a step may be off: fits_prediction_after_all().
+double FrameExplainer::hopeless_cost() const {
+  constexpr double kMargin = 2.0;
+  const int spare = shape_.rows() - kForceStates;
+  if (spare <= 0) return std::numeric_limits<double>::infinity();
+  return kMargin * (jump_gate_.threshold(kForceStates) + outlier_gate_.threshold(spare));
+}
+
+/// The fit from the prediction was given up. Where the force found without it lies where it was predicted, it was wrong
+/// to do so: once more, from there.
+bool FrameExplainer::fits_prediction_after_all() {
+  if (!given_up_) return false;
+  const Vector3d moved = update_.posterior.mean.head<3>() - prediction_.x.mean.head<3>();
+  const Matrix3d spread =
+      update_.posterior.covariance.topLeftCorner<3, 3>() + prediction_.x.covariance.topLeftCorner<3, 3>();
+  if (!jump_gate_.passes(moved.dot(spread.llt().solve(moved)), kForceStates)) return false;
+  const Update found = update_;
+  FrameModel frame = model(prediction_);
+  iterated_update(frame, prediction_.x, found.posterior.mean, local_, update_);
+  if (converged(update_.status) && agrees_with_prediction()) return true;
+  update_ = found;
+  return false;
 }
 
 bool FrameExplainer::fits_any_force(unsigned sensors, GlobalUpdate& search) {
@@ -98,7 +126,9 @@ bool FrameExplainer::fits_any_force(unsigned sensors, GlobalUpdate& search) {
   searched_ = true;
   if (shape_.rows() == 0) return false;
   FrameModel frame = model(anywhere_);
-  search.run(frame, anywhere_.x, &anywhere_.x.mean, update_);
+  // What the prediction held back stands nearer to the force than the prediction itself.
+  start_ = update_.status == UpdateStatus::kFailed ? anywhere_.x.mean : update_.posterior.mean;
+  search.run(frame, anywhere_.x, &start_, update_);
   return converged(update_.status) && agrees_with_itself();
 }
 
@@ -125,8 +155,9 @@ EstimateStatus FrameExplainer::explain_without_one_sensor(Measurement& measureme
   jumped_ = true;
   for (unsigned left = present; left != 0; left &= left - 1) {
     const unsigned sensor = left & -left, rest = present & ~sensor;
-    const bool calm = fits_prediction(rest);
+    bool calm = fits_prediction(rest);
     const bool passes = calm || (jumped_ && fits_any_force(rest, short_search_));
+    if (passes && !calm) calm = fits_prediction_after_all();
     any_converged |= converged(update_.status);
     const double misfit = update_.chi_square / update_.rows;
     if (!passes || (calm != jumped_ && misfit >= least_misfit)) continue;
@@ -141,9 +172,7 @@ EstimateStatus FrameExplainer::explain_without_one_sensor(Measurement& measureme
   update_ = spare_;
   searched_ = best_searched;
   shape_.select(measurement, present & ~odd_one);
-  const EstimateStatus status = take(jumped_ ? anywhere_ : prediction_, present & ~odd_one);
-  R_base_tip_ = R_base_tip(update_.posterior.mean);  // the rod's latest shape is that of the last sensor left out
-  return status;
+  return take(jumped_ ? anywhere_ : prediction_, present & ~odd_one);
 }
 
 /// Neither the force moves farther than the prediction allows, nor do the sensors contradict each other. Where there is
@@ -176,7 +205,8 @@ EstimateStatus FrameExplainer::take(const FramePrior& prior, unsigned sensors) {
   }
   used_ = sensors & shape_.used();
   // After a search the rod's latest shape may be that of another force.
-  R_base_tip_ = searched_ ? R_base_tip(update_.posterior.mean) : shape_.T_base_tip().R;
+  const StateVector &seen_at = shape_.linearized_at(), &mean = update_.posterior.mean;
+  R_base_tip_ = seen_at == update_.line.x0 || seen_at == mean ? shape_.R_base_tip_near(mean) : R_base_tip(mean);
   const bool own_step = !searched_ || !is_single_step(options_.method);
   const EstimateStatus status = status_of(update_.status);
   return own_step || status != EstimateStatus::kUpdated ? status : EstimateStatus::kReseeded;

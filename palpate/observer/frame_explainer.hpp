@@ -51,6 +51,8 @@ class FrameExplainer {
 
  private:
   bool fits_prediction(unsigned sensors);
+  double hopeless_cost() const;
+  bool fits_prediction_after_all();
   bool fits_any_force(unsigned sensors, GlobalUpdate& search);
   EstimateStatus explain_lone_point(unsigned sensors);
   EstimateStatus explain_without_one_sensor(Measurement& measurement, unsigned present);
@@ -74,8 +76,10 @@ class FrameExplainer {
   FramePrior prediction_, anywhere_;  ///< the usual prior, that of a surprise
   FrameLine line_;
   Update update_, spare_;  ///< of the latest fit; of the best explanation so far
+  StateVector start_;      ///< of a search
   Matrix3d R_base_tip_ = Matrix3d::Identity();
   unsigned used_ = 0;
+  bool given_up_ = false;       ///< the latest fit from the prediction, before its end
   bool searched_ = false;       ///< not by the filter's own step from the prediction
   bool jumped_ = false;         ///< with the prediction set aside
   int surprises_in_a_row_ = 0;  ///< of a lone point

@@ -64,6 +64,7 @@ void FrameModel::line(const UpdateLine& update, FrameLine& out) const {
   out.by_parameters.rightCols(pose) = pose_errors_;
   white_noise(out.noise);
   if (update.more_noise.size() > 0) out.noise += update.more_noise;
+  compress(out);
 }
 
 }  // namespace palpate

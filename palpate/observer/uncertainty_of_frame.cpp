@@ -16,6 +16,17 @@ constexpr double kWeakShare = 0.1, kWeakRatio = 6.0, kLateralShare = 0.5;
 constexpr double kStraight_rad = 0.35;  // tip against clamp
 constexpr double kNoWiser = 0.9;        // of the prior's sigma
 
+struct Eigenpair {
+  double value;
+  StateVector vector;
+};
+
+template <class Matrix>
+Eigenpair least_eigenpair(const StateMatrix& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<Matrix> spectrum{Matrix(symmetric)};
+  return {spectrum.eigenvalues()(0), spectrum.eigenvectors().col(0)};
+}
+
 }  // namespace
 
 /// L^T J^T (R + J_c C_c J_c^T)^-1 J L with L the prior sigmas: 1 means that a frame knows as much as was known before
@@ -44,10 +55,10 @@ StateMatrix ForceUncertainty::information(const FrameLine& line) const {
 }
 
 void ForceUncertainty::find_weakest(const StateMatrix& information, const Belief& belief, Observability& out) const {
-  const Eigen::SelfAdjointEigenSolver<StateMatrix> spectrum(information);
-  const double least = spectrum.eigenvalues()(0);
-  out.weakest_sigmas = least > 0.0 ? 1.0 / std::sqrt(least) : std::numeric_limits<double>::infinity();
-  const StateVector v = spectrum.eigenvectors().col(0);
+  const Eigenpair weakest = information.rows() == 3 ? least_eigenpair<Matrix3d>(information)  // the usual case, quicker
+                                                    : least_eigenpair<StateMatrix>(information);
+  const StateVector& v = weakest.vector;
+  out.weakest_sigmas = weakest.value > 0.0 ? 1.0 / std::sqrt(weakest.value) : std::numeric_limits<double>::infinity();
   const Vector3d scale = force_scale(belief), force_N = scale.cwiseProduct(belief.motion.mean.head<3>());
   out.weakest_force_N = force_sigma_N_ * scale.cwiseProduct(v.head<3>());
   for (std::size_t k = 0; k < estimated_.size(); ++k) {

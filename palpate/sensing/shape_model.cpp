@@ -192,6 +192,7 @@ void ShapeModel::set_directions(Solver<N>& solver) const {
 
 bool ShapeModel::linearize(const StateVector& x, Linearization& at) {
   if (!x.allFinite()) return false;
+  x_ = x;
   set_load(x);
   return std::visit([&](auto& solver) { return linearize(solver, at); }, solver_);
 }
@@ -216,6 +217,14 @@ bool ShapeModel::linearize(Solver<N>& solver, Linearization& at) {
   if (curvature_) curvature_rows(solver.solution, at);
   if (known_) known_load_rows(solver, at);
   return at.residual.allFinite();
+}
+
+Matrix3d ShapeModel::R_base_tip_near(const StateVector& x) const {
+  const StateVector step = x - x_;
+  const Vector3d phi = std::visit(
+      [&](const auto& solver) -> Vector3d { return solver.solution.tip_rotation.leftCols(step.size()) * step; },
+      solver_);
+  return T_base_tip_.R * exp_so3(phi);
 }
 
 int ShapeModel::block_end(int row) const {

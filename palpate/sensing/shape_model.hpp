@@ -68,6 +68,9 @@ class ShapeModel {
 
   /// Tip frame in the base frame at the last linearization: turns F into base components.
   const Pose& T_base_tip() const { return T_base_tip_; }
+  const StateVector& linearized_at() const { return x_; }
+  /// Orientation of the tip at a state near linearized_at(), to first order.
+  Matrix3d R_base_tip_near(const StateVector& x) const;
   std::int64_t evaluations() const { return evaluations_; }  ///< rods and curves integrated since construction
 
  private:
@@ -119,6 +122,7 @@ class ShapeModel {
   KnownLoad known_load_;
   std::variant<Solver<3>, Solver<6>, Solver<9>, Solver<12>> solver_;
   Pose T_base_tip_;
+  StateVector x_;  ///< of the last linearization
   ForceSeeds seeds_;
   const Measurement* measurement_ = nullptr;
   int tip_ = 0, behind_ = -1;  ///< the two most distal pose sensors: the paper's vector

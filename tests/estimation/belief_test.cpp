@@ -73,6 +73,49 @@ FrameLine random_line(Index rows, Index q, Draws& draws) {
   return line;
 }
 
+/// Three rows of unit noise in place of twelve: the belief that follows is the same, also where a direction of the
+/// force is hidden, a direction is not seen at all, or noise is correlated.
+TEST(Belief, ACompressedLineSaysTheSame) {
+  Draws draws(57);
+  for (const MotionOptions& options : test::all_motions())
+    for (const bool blind : {false, true}) {
+      const MotionModel model(options);
+      const BeliefModel parameters(some_parameters(0, draws));
+      FrameLine line = random_line(12, 0, draws);
+      if (blind) line.by_force.col(1) = 2.0 * line.by_force.col(0);
+      FrameLine shorter = line;
+      compress(shorter);
+      ASSERT_EQ(shorter.residual.size(), 3);
+      EXPECT_TRUE(shorter.noise.isIdentity(0.0));
+      for (const double weak_N : {1e-3, 1e6}) {
+        hide_axial_force(weak_N, false, MatrixXd(0, 0), line);
+        hide_axial_force(weak_N, false, MatrixXd(0, 0), shorter);
+        EXPECT_LT((line.hidden - shorter.hidden).norm(), 1e-9);
+        const Index n = model.states();
+        const Belief before = split({random_vector(n, draws), random_covariance(n, draws)}, n);
+        Belief whole = before, compressed = before;
+        Correction correction;
+        ASSERT_TRUE(parameters.update(model.seen(), line, whole, correction));
+        ASSERT_TRUE(parameters.update(model.seen(), shorter, compressed, correction));
+        EXPECT_LT((whole.motion.mean - compressed.motion.mean).norm(), 1e-9 * (1.0 + whole.motion.mean.norm()));
+        EXPECT_LT((whole.motion.covariance - compressed.motion.covariance).norm(),
+                  1e-9 * whole.motion.covariance.norm());
+      }
+    }
+}
+
+TEST(Belief, WhatSpeaksOfParametersIsNotCompressed) {
+  Draws draws(58);
+  FrameLine line = random_line(12, 2, draws), few = random_line(3, 0, draws), bad = random_line(12, 0, draws);
+  bad.noise(4, 4) = -1.0;
+  for (FrameLine* l : {&line, &few, &bad}) {
+    const FrameLine before = *l;
+    compress(*l);
+    EXPECT_EQ(l->residual, before.residual);
+    EXPECT_EQ(l->noise, before.noise);
+  }
+}
+
 /// The textbook's update of the whole vector: Joseph's form, right for any gain, with the gain of considered parameters
 /// set to zero (Schmidt). Up to 39 + 8 states of size 1: rounding stays below 1e-9.
 TEST(Belief, UpdateIsSchmidtsOnTheWholeVector) {

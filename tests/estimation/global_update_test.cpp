@@ -82,7 +82,8 @@ Update search(Valleys& model, const Gaussian& prior, const double* start, const 
 TEST(GlobalUpdate, LeavesAWrongMinimumForASeed) {
   Valleys model = wrong_valley({-0.9, 1.2, 0.8});
   const double start = -1.1;
-  const Update update = search(model, prior_at(-1.0), &start);
+  const SearchOptions to_the_end{.local = {.step_tolerance = 1e-6}};
+  const Update update = search(model, prior_at(-1.0), &start, to_the_end);
   EXPECT_EQ(update.status, UpdateStatus::kReseeded);
   EXPECT_NEAR(update.posterior.mean(0), 1.0, 1e-4);
   EXPECT_NEAR(update.posterior.covariance(0, 0), 1.0 / (200.0 * 200.0 + 100.0 + 0.01), 1e-9);
@@ -221,7 +222,7 @@ TEST(GlobalUpdate, SearchThatRanOutIsReplacedByOneThatConvergesInTheSamePlace) {
 
 /// The search from the seed ends lower than where the first one arrived, on its way to a better place.
 TEST(GlobalUpdate, SearchThatRanOutDoesNotReplaceOneThatConverged) {
-  Valleys model = wrong_valley({1.45});
+  Valleys model = wrong_valley({1.6});
   const SearchOptions options{.local = {.max_iterations = 2}};
   const double start = -0.9952;
   const Update update = search(model, prior_at(-1.0), &start, options);
