@@ -12,6 +12,7 @@ import tempfile
 ALLOWED = {
     "math": set(),
     "rod": {"math"},
+    "batch": {"math", "rod"},
     "sensing": {"math", "rod"},
     "estimation": {"math"},
     "observer": {"math", "rod", "sensing", "estimation"},
@@ -21,6 +22,8 @@ ALLOWED = {
     "evaluation": {"math", "estimation", "observer", "recording"},
     "plot": {"math"},
     "reproduction": {"math", "rod", "sensing", "estimation", "observer", "simulation", "evaluation", "plot"},
+    "store": {"math"},
+    "study": {"math", "rod", "sensing", "estimation", "observer", "simulation", "recording", "evaluation", "store", "plot"},
 }
 OUTSIDE = ("apps", "tests", "examples", "benchmarks")  # may include any room; no room may include them
 CODE = (".hpp", ".cpp", ".h", ".cc", ".ipp")

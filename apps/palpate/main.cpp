@@ -41,6 +41,7 @@ int main(int argc, char** argv) {
   palpate::app::add_report(app, exit_code);
   palpate::app::add_reproduce(app, exit_code);
   palpate::app::add_simulate(app, exit_code);
+  palpate::app::add_study(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

@@ -18,7 +18,12 @@ void ProgressLine::show(double share) {
   const int percent = static_cast<int>(100.0 * share);
   if (!shown_ || percent == percent_) return;
   percent_ = percent;
-  fmt::print(stderr, "\rpalpate: {} {:3} %", verb_, percent);
+  show(fmt::format("{:3} %", percent));
+}
+
+void ProgressLine::show(const std::string& words) const {
+  if (!shown_) return;
+  fmt::print(stderr, "\rpalpate: {} {}\033[K", verb_, words);
   std::fflush(stderr);
 }
 

@@ -5,8 +5,8 @@
 
 namespace palpate::app {
 
-/// `palpate: VERB 42 %` on stderr, one line that is written again and wiped at the end. Only on a terminal: nothing in
-/// a pipe.
+/// `palpate: VERB 42 %`, or other words, on stderr, one line that is written again and wiped at the end. Only on a
+/// terminal: nothing in a pipe.
 class ProgressLine {
  public:
   explicit ProgressLine(std::string verb);
@@ -15,6 +15,7 @@ class ProgressLine {
   ProgressLine& operator=(const ProgressLine&) = delete;
 
   void show(double share);
+  void show(const std::string& words) const;
 
  private:
   std::string verb_;

@@ -42,6 +42,11 @@ bool is_option(std::string_view word) {
          (word[1] == '-' ? word.size() > 2 : std::isalpha(static_cast<unsigned char>(word[1])) != 0);
 }
 
+bool takes_a_file(const CLI::App& app) {
+  const std::vector<const CLI::Option*> options = app.get_options();
+  return std::any_of(options.begin(), options.end(), [](const auto* option) { return option->get_positional(); });
+}
+
 std::optional<std::string> explain_unknown_option(const CLI::App& app, const std::string& whose,
                                                   std::span<const char* const> arguments) {
   const std::vector<std::string> names = option_names(app);
@@ -71,6 +76,7 @@ std::optional<std::string> explain_unknown_word(const CLI::App& app, const std::
   if (contains(commands, first))
     return explain_unknown_word(*app.get_subcommand(std::string(first)), fmt::format("{} {}", whose, first),
                                 arguments.subspan(1));
+  if (takes_a_file(app)) return explain_unknown_option(app, whose, arguments);
   return fmt::format("{}: expected one of the commands {}; did you mean {}?", printable(first),
                      fmt::join(commands, ", "), nearest_name(first, commands));
 }

@@ -14,6 +14,7 @@ void add_identify(CLI::App& app, int& exit_code);
 void add_report(CLI::App& app, int& exit_code);
 void add_reproduce(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
+void add_study(CLI::App& app, int& exit_code);
 
 // palpate identify ...
 void add_identify_stiffness(CLI::App& identify, int& exit_code);

@@ -36,10 +36,10 @@ TEST_F(CommandLine, HelpShowsAnExample) {
 TEST_F(CommandLine, UnknownWordsAreNamedWithTheNearest) {
   EXPECT_EQ(usage_error({}),
             "palpate: expected one of the commands estimate, evaluate, identify, report, reproduce, "
-            "simulate");
+            "simulate, study");
   EXPECT_EQ(usage_error({"estimat"}),
             "palpate: estimat: expected one of the commands estimate, evaluate, identify, report, reproduce, "
-            "simulate; did you mean estimate?");
+            "simulate, study; did you mean estimate?");
   EXPECT_EQ(usage_error({"--foo"}), "palpate: --foo: expected an option of palpate; did you mean --help?");
   EXPECT_EQ(usage_error({"estimate", "--cateter", "c.toml", "r.csv", "--out", "e.csv"}),
             "palpate: --cateter: expected an option of palpate estimate; did you mean --catheter?");
