@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <benchmarks/paper_catheter.hpp>
 #include <palpate/observer/force_observer.hpp>
+#include <palpate/rod/instruction_set.hpp>
 #include <palpate/simulation/virtual_tracker.hpp>
 #include <random>
 #include <string>
@@ -13,19 +15,6 @@
 /// smoothing. On the paper's catheter.
 namespace palpate {
 namespace {
-
-Catheter paper_catheter() {
-  Catheter catheter;
-  catheter.name = "paper, Table 2";
-  catheter.rod = uniform_rod(0.07, {0.2612e-3, 0.16664e-3, 0.1645e-3}, {24.57, 0.0, 0.0});
-  for (const auto& [name, arc_length_m] : {std::pair{"tip", 0.07}, std::pair{"shaft", 0.0653}}) {
-    Sensor sensor;
-    sensor.name = name;
-    sensor.arc_length_m = arc_length_m;
-    catheter.sensors.push_back(sensor);
-  }
-  return catheter;
-}
 
 /// With a sigma for every number: 29 parameters beside the force, all of them considered where none is estimated.
 Catheter uncertain_catheter() {
@@ -196,7 +185,9 @@ void register_rows() {
 
 }  // namespace palpate
 
+/// The environment's PALPATE_INSTRUCTION_SET chooses the rod's kernel; the output says which it was.
 int main(int argc, char** argv) {
+  benchmark::AddCustomContext("instruction_set", palpate::name(palpate::preferred_instruction_set()));
   palpate::register_rows();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;

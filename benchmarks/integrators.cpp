@@ -7,8 +7,11 @@
 #include <functional>
 #include <iostream>
 #include <limits>
+#include <numbers>
 #include <palpate/plot/plot.hpp>
-#include <palpate/rod/integration.hpp>
+#include <palpate/rod/field.hpp>
+#include <palpate/rod/runge_kutta.hpp>
+#include <palpate/rod/statics.hpp>
 
 #include "tests/rod/rod_cases.hpp"
 
@@ -19,12 +22,10 @@
 namespace palpate {
 namespace {
 
-using rod_field::Parameters;
-
 /// A rod of one section under a tip load, and where its tip is.
 struct Case {
   double length_m = 0.0;
-  Parameters<double, 0> parameters;
+  Vector3d force_N, moment_Nm, compliance_per_Nm2, free_curvature_per_m;
   Vector3d tip_m = Vector3d::Zero();
 };
 
@@ -38,16 +39,90 @@ struct Method {
 };
 
 // ---------------------------------------------------------------------------------------------------------------
-// Runge-Kutta on the quaternion and the position: what palpate does
+// On the quaternion and the position; what palpate does is Runge-Kutta
+
+rod_lanes::Vec<double> scaled(double factor, const Vector3d& v) {
+  return {factor * v.x(), factor * v.y(), factor * v.z()};
+}
+
+constexpr int kRows = rod_lanes::kRows<false>;
+
+/// `step(field, y)` in units of the step, from the tip to the clamp.
+template <class Step>
+Vector3d along_quaternion(const Case& c, int steps, const Step& step) {
+  using namespace rod_lanes;
+  const double h = c.length_m / steps;
+  const Parameters<double> p{.force = scaled(h, c.force_N),
+                             .moment = scaled(1.0, c.moment_Nm),
+                             .compliance = scaled(h, c.compliance_per_Nm2),
+                             .free_curvature = scaled(h, c.free_curvature_per_m),
+                             .distributed = {},
+                             .shear_compliance = {}};
+  const auto field = [&p](double tau, const double* y, double* dy) { rate<false>(section<false>(tau, y, p), y, dy); };
+  double y[rod_lanes::kRows<false>] = {1.0};
+  for (int i = 0; i < steps; ++i) {
+    step(field, y);
+    normalise(y);
+  }
+  const Eigen::Quaterniond q(y[0], y[1], y[2], y[3]);
+  return h * (q.conjugate() * Vector3d(y[4], y[5], y[6]));  // -R^T r
+}
 
 template <const auto& method>
 Vector3d on_quaternion(const Case& c, int steps) {
-  using State = rod_field::State<double, 0, false>;
-  State y = State::Zero();
-  y(0) = 1.0;
-  rod_field::integrate_piece<method, false>(0.0, c.length_m, steps, c.parameters, y);
-  const Vector3d a = y.block<3, 1>(1, 0), r = y.block<3, 1>(4, 0);
-  return -(rod_field::rotation(y(0), a).transpose() * r);
+  return along_quaternion(
+      c, steps, [](const auto& field, double* y) { runge_kutta_step<method, kRows, 1>(0.0, 1.0, 1, y, field); });
+}
+
+/// Collocation in the points x of [-1, 1]: y' is the polynomial through the rates there. Its stages are found by so
+/// many Picard iterations, from a constant rate.
+template <int Points>
+struct Collocation {
+  Eigen::Matrix<double, Points, Points> A;  ///< a_ij, integral of the j-th Lagrange polynomial up to point i
+  Eigen::Matrix<double, Points, 1> b;       ///< up to 1
+
+  explicit Collocation(const std::array<double, Points>& x) {
+    Eigen::Matrix<double, Points, Points> powers;
+    Eigen::Matrix<double, Points + 1, Points> integrals;
+    for (int i = 0; i <= Points; ++i)
+      for (int k = 0; k < Points; ++k) {
+        const double at = i < Points ? x[i] : 1.0;
+        if (i < Points) powers(i, k) = std::pow(at, k);
+        integrals(i, k) = 0.5 * (std::pow(at, k + 1) - std::pow(-1.0, k + 1)) / (k + 1);
+      }
+    const Eigen::Matrix<double, Points + 1, Points> all = integrals * powers.inverse();
+    A = all.template topRows<Points>();
+    b = all.row(Points).transpose();
+  }
+
+  Vector3d solve(const Case& c, int steps, int iterations) const {
+    return along_quaternion(c, steps, [&](const auto& field, double* y) {
+      using State = Eigen::Matrix<double, kRows, 1>;
+      Eigen::Map<State> start(y);
+      Eigen::Matrix<double, kRows, Points> rates, at = start.replicate<1, Points>();
+      for (int i = 0; i < iterations; ++i) {
+        for (int j = 0; j < Points; ++j) field(0.0, at.col(j).data(), rates.col(j).data());
+        at = start.replicate<1, Points>() + rates * A.transpose();
+      }
+      start += rates * b;
+    });
+  }
+};
+
+constexpr int kGaussIterations = 8, kChebyshevPoints = 12, kChebyshevIterations = 12;
+
+Vector3d gauss_6(const Case& c, int steps) {
+  static const Collocation<3> method({-std::sqrt(0.6), 0.0, std::sqrt(0.6)});
+  return method.solve(c, steps, kGaussIterations);
+}
+
+Vector3d chebyshev(const Case& c, int steps) {
+  static const Collocation<kChebyshevPoints> method([] {
+    std::array<double, kChebyshevPoints> x{};
+    for (int i = 0; i < kChebyshevPoints; ++i) x[i] = -std::cos(std::numbers::pi * (i + 0.5) / kChebyshevPoints);
+    return x;
+  }());
+  return method.solve(c, steps, kChebyshevIterations);
 }
 
 // ---------------------------------------------------------------------------------------------------------------
@@ -73,9 +148,10 @@ Twist bracket(const Twist& x, const Twist& y) {
   return z;
 }
 
-Twist body_rate(const Parameters<double, 0>& p, const Pose& T) {
+Twist body_rate(const Case& c, const Pose& T) {
   Twist A;
-  A << -(p.free_curvature + p.compliance.cwiseProduct(T.R.transpose() * (p.moment - T.p.cross(p.force)))),
+  A << -(c.free_curvature_per_m +
+         c.compliance_per_Nm2.cwiseProduct(T.R.transpose() * (c.moment_Nm - T.p.cross(c.force_N)))),
       -Vector3d::UnitZ();
   return A;
 }
@@ -92,8 +168,10 @@ template <const auto& method>
 Vector3d munthe_kaas(const Case& c, int steps) {
   constexpr int stages = std::decay_t<decltype(method)>::stages;
   return on_se3(c, steps, [&c](const Pose& T0, double h) {
-    const auto field = [&](double, const Twist& x, Twist& dx) {
-      const Twist A = body_rate(c.parameters, T0 * exp_se3(x));
+    const auto field = [&](double, const double* at, double* rate) {
+      const Eigen::Map<const Twist> x(at);
+      Eigen::Map<Twist> dx(rate);
+      const Twist A = body_rate(c, T0 * exp_se3(x));
       const Twist xA = bracket(x, A), xxA = bracket(x, xA);
       dx = A + 0.5 * xA + xxA / 12.0;
       if constexpr (stages > 4) {
@@ -103,7 +181,7 @@ Vector3d munthe_kaas(const Case& c, int steps) {
       }
     };
     Twist x = Twist::Zero();
-    runge_kutta_step<method>(0.0, h, x, field);
+    runge_kutta_step<method, 6, 1>(0.0, h, 1, x.data(), field);
     return exp_se3(x);
   });
 }
@@ -111,7 +189,7 @@ Vector3d munthe_kaas(const Case& c, int steps) {
 /// Commutator-free method of order 4 in 4 stages and 5 exponentials (Celledoni, Marthinsen, Owren 2003).
 Vector3d commutator_free_4(const Case& c, int steps) {
   return on_se3(c, steps, [&c](const Pose& T, double h) {
-    const auto rate = [&](const Pose& at) -> Twist { return h * body_rate(c.parameters, at); };
+    const auto rate = [&](const Pose& at) -> Twist { return h * body_rate(c, at); };
     const Twist k1 = rate(T);
     const Pose half = exp_se3(0.5 * k1);
     const Twist k2 = rate(T * half), k3 = rate(T * exp_se3(0.5 * k2));
@@ -124,10 +202,15 @@ Vector3d commutator_free_4(const Case& c, int steps) {
 const std::vector<Method>& methods() {
   static const std::vector<Method> all{
       {"Dormand-Prince 8", 12, on_quaternion<kDormandPrince8>},  // the chosen one: first, so drawn boldest
-      {"Runge-Kutta 4", 4, on_quaternion<kRungeKutta4>},        {"Butcher 6", 7, on_quaternion<kButcher6>},
-      {"Cooper-Verner 8", 11, on_quaternion<kCooperVerner8>},   {"CF4 on SE(3)", 4, commutator_free_4},
-      {"RKMK 4 on SE(3)", 4, munthe_kaas<kRungeKutta4>},        {"RKMK 6 on SE(3)", 7, munthe_kaas<kButcher6>},
+      {"Runge-Kutta 4", 4, on_quaternion<kRungeKutta4>},
+      {"Butcher 6", 7, on_quaternion<kButcher6>},
+      {"Cooper-Verner 8", 11, on_quaternion<kCooperVerner8>},
+      {"CF4 on SE(3)", 4, commutator_free_4},
+      {"RKMK 4 on SE(3)", 4, munthe_kaas<kRungeKutta4>},
+      {"RKMK 6 on SE(3)", 7, munthe_kaas<kButcher6>},
       {"RKMK 8 on SE(3)", 12, munthe_kaas<kDormandPrince8>},
+      {"Gauss 6 (Picard)", 3 * kGaussIterations, gauss_6},
+      {"Chebyshev 12 (Picard)", kChebyshevPoints * kChebyshevIterations, chebyshev},
   };
   return all;
 }
@@ -136,7 +219,10 @@ const std::vector<Method>& methods() {
 // Cases
 
 Case make_case(const Rod& rod, const TipLoad& load) {
-  Case c{rod.length_m(), rod_field::section_parameters<0>(rod, rod.sections[0], load, {})};
+  const Section& section = rod.sections[0];
+  const Vector3d compliance = section.stiffness_Nm2.cwiseInverse();
+  Case c{rod.length_m(), load.force_tip_N, load.moment_tip_Nm + rod.contact_offset_m.cross(load.force_tip_N),
+         compliance, section.precurvature_per_m + compliance.cwiseProduct(load.tendon_couple_Nm)};
   c.tip_m = on_quaternion<kDormandPrince8>(c, 400);
   return c;
 }
@@ -216,10 +302,9 @@ std::string work_table(const std::vector<Row>& rows) {
 
 /// The rule of RodSolver: steps = ceil(L |u|_max / angle).
 int steps_by_rule(const Case& c, double angle) {
-  const Parameters<double, 0>& p = c.parameters;
-  const double compliance = p.compliance.maxCoeff();
+  const double compliance = c.compliance_per_Nm2.maxCoeff();
   const double bound =
-      p.free_curvature.norm() + compliance * p.moment.norm() + 2.0 * std::sqrt(compliance * p.force.norm());
+      c.free_curvature_per_m.norm() + compliance * c.moment_Nm.norm() + 2.0 * std::sqrt(compliance * c.force_N.norm());
   return std::max(1, static_cast<int>(std::ceil(c.length_m * bound / angle)));
 }
 
