@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
 #include <map>
-#include <palpate/math/rotation.hpp>
 #include <palpate/recording/frame_assembler.hpp>
 #include <palpate/recording/plus_sequence.hpp>
+#include <palpate/sensing/rounded_rotation.hpp>
 #include <set>
 
 namespace palpate {
@@ -98,15 +97,6 @@ Matrix4Rows parse_matrix(const TextFile& file, std::int64_t index, std::string_v
   }
   if (!whole) refuse_field(file.name, field.line, full_name(index, name), field.text, "16 numbers, a row-major 4x4");
   return m;
-}
-
-/// Zero where R is not within 1 % of a rotation.
-Eigen::Vector4d nearest_quaternion(const Matrix3d& R) {
-  if (!R.allFinite() || std::abs(R.determinant() - 1.0) > 0.01) return Eigen::Vector4d::Zero();
-  if ((R.transpose() * R - Matrix3d::Identity()).cwiseAbs().maxCoeff() > 0.02) return Eigen::Vector4d::Zero();
-  const Eigen::JacobiSVD<Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Quaterniond q(Matrix3d(svd.matrixU() * svd.matrixV().transpose()));
-  return {q.w(), q.x(), q.y(), q.z()};
 }
 
 SensorReading to_reading(const Matrix4Rows& m, bool valid) {
