@@ -20,18 +20,35 @@ std::string plain_path(const std::filesystem::path& path) {
   return absolute.string();
 }
 
+/// The same as a URI, which alone can say that nothing but the file itself is to be touched.
+std::string immutable_uri(const std::filesystem::path& path) {
+  std::string uri = "file:";
+  for (const char c : plain_path(path)) {
+    const bool plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '/';
+    uri += plain ? std::string(1, c) : fmt::format("%{:02x}", static_cast<unsigned char>(c));
+  }
+  return uri + "?immutable=1";
+}
+
+int flags_of(OpenMode mode) {
+  if (mode == OpenMode::kCreate) return SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  return mode == OpenMode::kAsItLies ? SQLITE_OPEN_READONLY | SQLITE_OPEN_URI : SQLITE_OPEN_READONLY;
+}
+
 }  // namespace
 
 void Database::Close::operator()(sqlite3* database) const { sqlite3_close_v2(database); }
 
 Database::Database(const std::filesystem::path& path, OpenMode mode) : name_(path.string()) {
-  const int flags = mode == OpenMode::kCreate ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE : SQLITE_OPEN_READONLY;
+  const std::string file = mode == OpenMode::kAsItLies ? immutable_uri(path) : plain_path(path);
   sqlite3* handle = nullptr;
-  const int code = sqlite3_open_v2(plain_path(path).c_str(), &handle, flags, nullptr);
+  const int code = sqlite3_open_v2(file.c_str(), &handle, flags_of(mode), nullptr);
   handle_.reset(handle);
   if (code != SQLITE_OK) fail("cannot be opened");
   sqlite3_busy_timeout(handle, 5000);
   execute("PRAGMA foreign_keys = ON");
+  if (mode == OpenMode::kSalvage || mode == OpenMode::kAsItLies)  // or a file shorter than it says is refused whole
+    execute("PRAGMA writable_schema = ON; PRAGMA cell_size_check = ON");
   integer("SELECT count(*) FROM sqlite_schema");  // what is no database says so here
 }
 
@@ -95,6 +112,17 @@ Statement& Statement::bind(int parameter, std::string_view value) {
   return *this;
 }
 
+Statement& Statement::bind_word(int parameter, std::string_view value) {
+  const auto size = static_cast<sqlite3_uint64>(value.size());
+  check(sqlite3_bind_text64(statement_.get(), parameter, value.data(), size, SQLITE_STATIC, SQLITE_UTF8));
+  return *this;
+}
+
+Statement& Statement::clear() {
+  check(sqlite3_clear_bindings(statement_.get()));
+  return *this;
+}
+
 bool Statement::step() {
   const int code = sqlite3_step(statement_.get());
   if (code != SQLITE_ROW && code != SQLITE_DONE) database_->fail("cannot be read or written");
@@ -106,6 +134,8 @@ void Statement::run() {
   }
   reset();
 }
+
+void Statement::abandon() noexcept { sqlite3_reset(statement_.get()); }
 
 void Statement::reset() { check(sqlite3_reset(statement_.get())); }
 

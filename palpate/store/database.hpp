@@ -26,12 +26,18 @@ class Statement {
   Statement& bind(int parameter, std::int64_t value);
   Statement& bind(int parameter, double value);  ///< NaN is stored as NULL
   Statement& bind(int parameter, std::string_view value);
+  /// Without a copy of the text, which must stay until the next value.
+  Statement& bind_word(int parameter, std::string_view value);
+  /// Every parameter is NULL again.
+  Statement& clear();
 
   /// Goes to the next row; false at the end.
   bool step();
   /// Steps to the end and makes ready for the next values.
   void run();
   void reset();
+  /// As reset(), of a statement that has failed: its failure has been told.
+  void abandon() noexcept;
 
   int columns() const;
   std::string column_name(int column) const;
@@ -55,6 +61,8 @@ class Statement {
 enum class OpenMode {
   kCreate,    ///< read and write; made where it is absent
   kReadOnly,  ///< must be there
+  kSalvage,   ///< as kReadOnly; a file that is cut off or partly damaged opens, too, as far as its first page is whole
+  kAsItLies,  ///< as kSalvage, of the main file alone: no journal is looked at, no lock taken, nothing made beside it
 };
 
 /// One SQLite file. One object a thread; not to be used on the other side of a fork.
