@@ -37,9 +37,14 @@ int main(int argc, char** argv) {
   int exit_code = 0;
   palpate::app::add_estimate(app, exit_code);
   palpate::app::add_evaluate(app, exit_code);
+  palpate::app::add_export(app, exit_code);
   palpate::app::add_identify(app, exit_code);
+  palpate::app::add_inspect(app, exit_code);
+  palpate::app::add_record(app, exit_code);
+  palpate::app::add_replay(app, exit_code);
   palpate::app::add_report(app, exit_code);
   palpate::app::add_reproduce(app, exit_code);
+  palpate::app::add_serve(app, exit_code);
   palpate::app::add_simulate(app, exit_code);
   palpate::app::add_study(app, exit_code);
   try {

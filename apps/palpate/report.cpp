@@ -22,7 +22,7 @@ void check_paths(const ReportOptions& options) {
   if (options.out.empty()) throw InputError("--out: expected the name of a file, found an empty one");
   std::vector<InputPath> inputs;
   for (const std::string& recording : options.recordings) inputs.push_back({"recording", "the recording", recording});
-  inputs.push_back({"--catheter", "the catheter file", options.catheter});
+  if (!options.catheter.empty()) inputs.push_back({"--catheter", "the catheter file", options.catheter});
   if (!options.estimate.empty()) inputs.push_back({"--estimate", "the estimate CSV", options.estimate});
   if (!options.truth.empty()) inputs.push_back({"--truth", "the force CSV", options.truth});
   if (!options.tendon.empty()) inputs.push_back({"--tendon", "the tendon CSV", options.tendon});
@@ -123,9 +123,11 @@ void add_report(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ReportOptions>();
   CLI::App* verb = app.add_subcommand(
       "report", "One HTML file to read in a browser: force, shape, contacts and health of a recording");
-  verb->add_option("recording", options->recordings, "recording, or several of one run, as for palpate estimate")
+  verb->add_option("recording", options->recordings,
+                   "recording, or several of one run, as for palpate estimate; or a session")
       ->required();
-  verb->add_option("--catheter", options->catheter, "catheter file (TOML)")->required();
+  verb->add_option("--catheter", options->catheter, "catheter file (TOML); a session brings its own");
+  verb->add_option("--name", options->name, "which catheter of a session that has several");
   verb->add_option("--out", options->out, "HTML file to write")->required();
   verb->add_option("--estimate", options->estimate,
                    "estimate CSV of this recording; without it the force is estimated here");
@@ -140,7 +142,8 @@ void add_report(CLI::App& app, int& exit_code) {
   verb->footer(
       "Example: palpate report run.tracker.csv --catheter catheter.toml --out run.html\n"
       "         palpate report run.tracker.csv --catheter catheter.toml --estimate run.estimate.csv --truth "
-      "run.force.csv --bands 5,20,40 --out run.html");
+      "run.force.csv --bands 5,20,40 --out run.html\n"
+      "         palpate report session.palpate --out session.html");
   verb->callback([options, verb, &exit_code] {
     refuse_empty_values(*verb);
     exit_code = run(*options);

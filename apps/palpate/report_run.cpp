@@ -5,11 +5,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <palpate/evaluation/uncertainty_words.hpp>
 #include <palpate/math/errors.hpp>
 #include <palpate/observer/force_observer.hpp>
 #include <palpate/recording/text_table.hpp>
+#include <palpate/session/session_run_reader.hpp>
 
 #include "estimate_input.hpp"
 #include "reference_tare.hpp"
@@ -93,9 +95,59 @@ void warn_of_few_measured(const std::string& recording, ReportRun& run) {
                     measured, run.sizes.size()));
 }
 
-}  // namespace
+/// Seconds since 1970 have no room for milliseconds on a page.
+void count_time_from_start(ReportRun& run) {
+  constexpr double kLongest_s = 1e6;
+  const auto first =
+      std::find_if(run.rows.begin(), run.rows.end(), [](const EstimateRow& row) { return std::isfinite(row.time_s); });
+  if (first == run.rows.end() || first->time_s < kLongest_s) return;
+  const double start_s = first->time_s;
+  for (EstimateRow& row : run.rows) row.time_s -= start_s;
+  for (TrackerFrame& frame : run.frames) frame.time_s -= start_s;
+  for (RunEvent& event : run.events)
+    if (event.time_s) *event.time_s -= start_s;
+  for (RunGap& gap : run.gaps) gap = {gap.from_s - start_s, gap.to_s - start_s};
+  if (run.truth)
+    for (double& time_s : run.truth->times_s) time_s -= start_s;
+}
 
-ReportRun read_report_run(const ReportOptions& options) {
+/// Reads all of it, and what is said beside it.
+void read_run(RunReader& reader, const std::string& source, const ReportOptions& options, ReportRun& run) {
+  run.description = reader.description();
+  if (!options.truth.empty()) run.truth = read_force_csv(options.truth);
+  read_frames(reader, run);
+  run.events = reader.events();
+  run.gaps = reader.gaps();
+  count_time_from_start(run);
+  run.sizes = force_sizes(run.rows);
+  refuse_truth_elsewhere(run);
+  warn_of_few_measured(source, run);
+}
+
+bool is_session(const ReportOptions& options) {
+  return options.recordings.size() == 1 && session::looks_like_session(options.recordings.front());
+}
+
+/// A session brings catheter, tendon, reference and estimates along.
+ReportRun read_session_report(const ReportOptions& options) {
+  const std::string& path = options.recordings.front();
+  using Given = std::pair<const char*, const std::string*>;
+  for (const auto& [flag, value] : {Given{"--catheter", &options.catheter}, Given{"--estimate", &options.estimate},
+                                    Given{"--tendon", &options.tendon}, Given{"--reference", &options.reference}})
+    if (!value->empty())
+      throw InputError(fmt::format("{} {}: expected none: {} is a session, which has its own", flag, *value, path));
+  session::SessionRunReader reader(path, options.name);
+  ReportRun run;
+  run.warnings = reader.description().settings.warnings;
+  run.catheter = reader.description().settings.catheter;
+  read_run(reader, path, options, run);
+  if (run.rows.empty()) throw InputError(fmt::format("{}: expected at least one frame", path));
+  return run;
+}
+
+ReportRun read_file_report(const ReportOptions& options) {
+  if (options.catheter.empty()) throw InputError("--catheter: expected the catheter file of the recording");
+  if (!options.name.empty()) throw InputError("--name: expected a session, which may hold several catheters");
   const EstimateOptions reading = reading_options(options);
   const TextFile text = read_text_file(options.catheter);
   CatheterFile file = parse_catheter(text);
@@ -111,15 +163,14 @@ ReportRun read_report_run(const ReportOptions& options) {
   description.settings = std::move(file);
   const std::string source = recording.source;
   FileRunReader reader(std::move(recording), std::move(description), options.estimate);
-  run.description = reader.description();
-  if (!options.truth.empty()) run.truth = read_force_csv(options.truth);
-  read_frames(reader, run);
-  run.events = reader.events();
-  run.gaps = reader.gaps();
-  run.sizes = force_sizes(run.rows);
-  refuse_truth_elsewhere(run);
-  warn_of_few_measured(source, run);
+  read_run(reader, source, options, run);
   return run;
+}
+
+}  // namespace
+
+ReportRun read_report_run(const ReportOptions& options) {
+  return is_session(options) ? read_session_report(options) : read_file_report(options);
 }
 
 }  // namespace palpate::app

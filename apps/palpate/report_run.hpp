@@ -11,7 +11,7 @@ namespace palpate::app {
 /// The command line of `palpate report`, as typed; empty: not given.
 struct ReportOptions {
   std::vector<std::string> recordings;
-  std::string catheter, estimate, truth, tendon, reference, title, out, bands = "5,10,30,40";
+  std::string catheter, estimate, truth, tendon, reference, name, title, out, bands = "5,10,30,40";
   double contact_g = 5.0;
   bool json = false;
 };

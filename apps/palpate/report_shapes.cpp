@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <limits>
+#include <palpate/evaluation/shown_shape.hpp>
 #include <palpate/observer/observability.hpp>
-#include <palpate/rod/base_loads.hpp>
 #include <palpate/sensing/measurement.hpp>
 
 #include "report_json.hpp"
@@ -14,54 +14,6 @@ namespace {
 constexpr std::size_t kMostMoments = 400;  // all frames are shown up to here
 constexpr int kBins = 200;                 // beyond, least and greatest force of each of them
 constexpr int kPoints = 21;                // along the shaft
-
-/// The shaft under the forces of a run.
-class ShapeDrawer {
- public:
-  explicit ShapeDrawer(const Catheter& catheter)
-      : catheter_(catheter),
-        solver_(catheter.rod, stations(catheter)),
-        workspace_(make_weight_workspace<3>(solver_)),
-        solution_(solver_.make_solution<3>()) {}
-
-  /// Points from the clamp to the end, then one at each sensor.
-  const RodSolution<3>& solve(const TrackerFrame& frame, const EstimateRow& row) {
-    solve_under_weight<3>(solver_, load(frame, row), {}, workspace_, solution_);
-    return solution_;
-  }
-
- private:
-  static std::vector<double> stations(const Catheter& catheter) {
-    const double length_m = catheter.rod.length_m() + catheter.rod.rigid_tip_m;
-    std::vector<double> at_m;
-    for (int i = 0; i < kPoints; ++i) at_m.push_back(length_m * i / (kPoints - 1));
-    for (const Sensor& sensor : catheter.sensors) at_m.push_back(sensor.arc_length_m);
-    return at_m;
-  }
-  TipLoad load(const TrackerFrame& frame, const EstimateRow& row) const {
-    TipLoad load{.force_tip_N = row.force_tip_N};
-    const Section& shaft = catheter_.rod.first_flexible();
-    if (row.shaft.stiffness_Nm2(0) > 0.0 && row.shaft.stiffness_Nm2(1) > 0.0 && !shaft.rigid) {
-      Vector3d share = row.shaft.stiffness_Nm2.cwiseQuotient(shaft.stiffness_Nm2);
-      if (!(share(2) > 0.0)) share(2) = 0.5 * (share(0) + share(1));
-      load.log_stiffness = share.array().log();
-    }
-    if (!row.shaft.precurvature_per_m.isZero(0.0))  // the handle's bend is in it
-      load.precurvature_per_m.head<2>() = (row.shaft.precurvature_per_m - shaft.precurvature_per_m).head<2>();
-    else if (frame.bend.present)
-      load.precurvature_per_m.head<2>() = frame.bend.change_per_m;
-    if (frame.tendon.present) {
-      const bool couple = catheter_.tendon.model == TendonModel::kCouple;
-      (couple ? load.tendon_couple_Nm : load.moment_tip_Nm).head<2>() = frame.tendon.moment_Nm;
-    }
-    return load;
-  }
-
-  const Catheter& catheter_;
-  RodSolver solver_;
-  WeightWorkspace<3> workspace_;
-  RodSolution<3> solution_;
-};
 
 nlohmann::json numbers(const Eigen::Ref<const Eigen::MatrixXd>& values, double scale, int digits) {
   nlohmann::json out = nlohmann::json::array();
@@ -106,7 +58,7 @@ std::vector<std::size_t> choose_moments(const ReportRun& run) {
   return chosen;
 }
 
-nlohmann::json moment_json(const ReportRun& run, std::size_t i, ShapeDrawer& drawer) {
+nlohmann::json moment_json(const ReportRun& run, std::size_t i, ShownShape& drawer) {
   const EstimateRow& row = run.rows[i];
   const RodSolution<3>& solution = drawer.solve(run.frames[i], row);
   nlohmann::json shaft = nlohmann::json::array(), sensors = nlohmann::json::array();
@@ -129,7 +81,7 @@ nlohmann::json moment_json(const ReportRun& run, std::size_t i, ShapeDrawer& dra
 }  // namespace
 
 nlohmann::json shapes_json(const ReportRun& run) {
-  ShapeDrawer drawer(run.catheter);
+  ShownShape drawer(run.catheter, kPoints);
   nlohmann::json moments = nlohmann::json::array();
   for (const std::size_t i : choose_moments(run)) moments.push_back(moment_json(run, i, drawer));
   nlohmann::json names = nlohmann::json::array();

@@ -34,12 +34,13 @@ TEST_F(CommandLine, HelpShowsAnExample) {
 }
 
 TEST_F(CommandLine, UnknownWordsAreNamedWithTheNearest) {
-  EXPECT_EQ(usage_error({}),
-            "palpate: expected one of the commands estimate, evaluate, identify, report, reproduce, "
-            "simulate, study");
+  EXPECT_EQ(
+      usage_error({}),
+      "palpate: expected one of the commands estimate, evaluate, export, identify, inspect, record, replay, report, "
+      "reproduce, serve, simulate, study");
   EXPECT_EQ(usage_error({"estimat"}),
-            "palpate: estimat: expected one of the commands estimate, evaluate, identify, report, reproduce, "
-            "simulate, study; did you mean estimate?");
+            "palpate: estimat: expected one of the commands estimate, evaluate, export, identify, inspect, record, "
+            "replay, report, reproduce, serve, simulate, study; did you mean estimate?");
   EXPECT_EQ(usage_error({"--foo"}), "palpate: --foo: expected an option of palpate; did you mean --help?");
   EXPECT_EQ(usage_error({"estimate", "--cateter", "c.toml", "r.csv", "--out", "e.csv"}),
             "palpate: --cateter: expected an option of palpate estimate; did you mean --catheter?");
