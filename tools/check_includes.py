@@ -19,10 +19,14 @@ ALLOWED = {
     "identification": {"math", "rod", "sensing", "estimation"},
     "simulation": {"math", "rod", "sensing"},
     "recording": {"math", "rod", "sensing", "observer", "simulation"},
-    "evaluation": {"math", "estimation", "observer", "recording"},
+    "evaluation": {"math", "rod", "sensing", "estimation", "observer", "recording"},
     "plot": {"math"},
     "reproduction": {"math", "rod", "sensing", "estimation", "observer", "simulation", "evaluation", "plot"},
     "store": {"math"},
+    "link": {"math"},
+    "ndi": {"math", "sensing"},
+    "session": {"math", "rod", "sensing", "observer", "recording", "store"},
+    "service": {"math", "rod", "sensing", "observer", "identification", "simulation", "recording", "evaluation", "session", "link", "ndi"},
     "study": {"math", "rod", "sensing", "estimation", "observer", "simulation", "recording", "evaluation", "store", "plot"},
 }
 OUTSIDE = ("apps", "tests", "examples", "benchmarks")  # may include any room; no room may include them
