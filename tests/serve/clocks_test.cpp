@@ -50,6 +50,14 @@ class ServeClocks : public Serve {
         EXPECT_GT(latencies[i], 0.1) << i;
       }
   }
+  /// The tracker's clock was set back once: five frames are doubted, then it is believed again.
+  void expect_one_setting() const {
+    expect_good_times();
+    expect_forces();
+    EXPECT_EQ(times()["stepped_back"], 5);
+    EXPECT_EQ(times()["resynchronised"], 1);
+    EXPECT_TRUE(came_.back().live());
+  }
   nlohmann::json times() const { return program_->catheter()["times"]; }
 
   WireFrames frames_;
@@ -63,32 +71,20 @@ class ServeClocks : public Serve {
 TEST_F(ServeClocks, AnHourOnAndBack) {
   for (std::size_t i = 50; i < 100; ++i) frames_[i].time_s = wire_time(frames_[i].time_s + 3600.0);
   play();
-  expect_good_times();
-  expect_forces();
-  EXPECT_EQ(times()["stepped_back"], 5);
-  EXPECT_EQ(times()["resynchronised"], 1);
-  EXPECT_TRUE(came_.back().live());
+  expect_one_setting();
 }
 
 TEST_F(ServeClocks, AnHourBackAndOn) {
   for (std::size_t i = 50; i < 100; ++i) frames_[i].time_s = wire_time(frames_[i].time_s - 3600.0);
   play();
-  expect_good_times();
-  expect_forces();
-  EXPECT_EQ(times()["stepped_back"], 5);
-  EXPECT_EQ(times()["resynchronised"], 1);
-  EXPECT_TRUE(came_.back().live());
+  expect_one_setting();
 }
 
 TEST_F(ServeClocks, WrapsToZero) {
   for (std::size_t i = 100; i < frames_.size(); ++i)
     frames_[i].time_s = wire_time(static_cast<double>(i - 99) / kRate_hz);
   play();
-  expect_good_times();
-  expect_forces();
-  EXPECT_EQ(times()["stepped_back"], 5);
-  EXPECT_EQ(times()["resynchronised"], 1);
-  EXPECT_TRUE(came_.back().live());
+  expect_one_setting();
 }
 
 /// A device that repeats its last time: nothing is believed, and it goes on afterwards.
