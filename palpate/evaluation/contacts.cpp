@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <palpate/evaluation/contact_finder.hpp>
 #include <palpate/evaluation/contacts.hpp>
 #include <palpate/math/errors.hpp>
 
@@ -29,73 +29,15 @@ std::string in_words(const ContactRule& rule) {
       on_g, rule.on_N * 1e3, on_g * rule.off_share, rule.on_N * rule.off_share * 1e3, rule.bridge_s);
 }
 
-namespace {
-
-/// Follows the force frame by frame.
-class ContactFinder {
- public:
-  explicit ContactFinder(const ContactRule& rule) : rule_(rule) {}
-
-  void add(const ForceSize& frame) {
-    if (!frame.measured) {
-      neighbour_ = false;
-      return;
-    }
-    const double step_s = frame.time_s - last_.time_s;
-    if (!(step_s > 0.0 && step_s <= rule_.bridge_s) || let_go(frame)) close();
-    if (contact_.frames > 0)
-      extend(frame);
-    else if (touches(frame))
-      contact_ = Contact{.from_s = frame.time_s,
-                         .to_s = frame.time_s,
-                         .frames = 1,
-                         .largest_N = frame.size_N,
-                         .largest_at_s = frame.time_s};
-    last_ = frame;
-    neighbour_ = true;
-  }
-  std::vector<Contact> finish() {
-    close();
-    return std::move(found_);
-  }
-
- private:
-  bool touches(const ForceSize& frame) const {
-    return frame.size_N >= rule_.on_N && frame.size_N >= 1.96 * frame.sigma_N;
-  }
-  bool let_go(const ForceSize& frame) const {
-    return frame.size_N < rule_.off_share * rule_.on_N || frame.size_N < frame.sigma_N;
-  }
-  void extend(const ForceSize& frame) {
-    const double step_s = frame.time_s - last_.time_s;
-    contact_.to_s = frame.time_s;
-    ++contact_.frames;
-    contact_.integral_Ns += 0.5 * step_s * (last_.size_N + frame.size_N);
-    contact_.integral_sigma_Ns += 0.5 * step_s * (last_.sigma_N + frame.sigma_N);
-    if (!neighbour_) contact_.bridged_s += step_s;
-    if (frame.size_N <= contact_.largest_N) return;
-    contact_.largest_N = frame.size_N;
-    contact_.largest_at_s = frame.time_s;
-  }
-  void close() {
-    if (contact_.frames > 1) found_.push_back(contact_);
-    contact_ = {};
-  }
-
-  ContactRule rule_;
-  ForceSize last_{.time_s = -std::numeric_limits<double>::infinity()};  ///< measured
-  bool neighbour_ = false;                                              ///< it is the frame before
-  Contact contact_;                                                     ///< without frames: none
-  std::vector<Contact> found_;
-};
-
-}  // namespace
-
 std::vector<Contact> find_contacts(std::span<const ForceSize> frames, const ContactRule& rule) {
-  rule.validate();
   ContactFinder finder(rule);
-  for (const ForceSize& frame : frames) finder.add(frame);
-  return finder.finish();
+  std::vector<Contact> found;
+  const auto keep = [&](const std::optional<Contact>& ended) {
+    if (ended) found.push_back(*ended);
+  };
+  for (const ForceSize& frame : frames) keep(finder.add(frame));
+  keep(finder.finish());
+  return found;
 }
 
 TimeInBands time_in_bands(std::span<const ForceSize> frames, std::span<const double> edges_N, double most_s) {

@@ -69,6 +69,10 @@ ContactForce force_of(const WallLoad& wall, const Situation& situation, const An
 
 }  // namespace
 
+Vector3d wall_point_room_m(const WallLoad& wall, const Situation& situation) {
+  return wall.point_base_m + situation.wall_m * wall.normal_base.normalized();
+}
+
 double wall_depth_m(const WallLoad& wall, const Situation& situation, const Vector3d& place_room_m) {
   return situation.wall_m + wall.normal_base.normalized().dot(wall.point_base_m - place_room_m);
 }

@@ -42,6 +42,9 @@ ContactForce contact_force(const Load& load, const Situation& situation, const A
 /// friction slips (return mapping), gone without contact.
 Anchor next_anchor(const Load& load, const Situation& situation, const Anchor& anchor, const Vector3d& place_room_m);
 
+/// The wall's own point, moved along its normal to where the wall is now.
+Vector3d wall_point_room_m(const WallLoad& wall, const Situation& situation);
+
 /// How deep the place lies in the wall [m]; negative: outside.
 double wall_depth_m(const WallLoad& wall, const Situation& situation, const Vector3d& place_room_m);
 

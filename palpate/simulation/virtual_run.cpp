@@ -100,6 +100,7 @@ Truth Player::truth_at(double time_s, const Situation& situation) const {
   const Catheter& catheter = scenario_.catheter;
   const Balance& balance = path_.balance();
   const Pose T_room_base = situation.T_room_base();
+  const auto* const wall = std::get_if<WallLoad>(&scenario_.load);
   return {
       .time_s = time_s,
       .force_tip_N = balance.contact_tip_N,
@@ -108,7 +109,9 @@ Truth Player::truth_at(double time_s, const Situation& situation) const {
       .precurvature_per_m = catheter.precurvature_per_m() + situation.shaft.precurvature_per_m,
       .T_tracker_base = catheter.base.T_tracker_base * T_room_base,
       .T_base_tip = T_room_base.inverse() * balance.T_room_tip,
-      .in_contact = balance.contact.touches};
+      .in_contact = balance.contact.touches,
+      .wall_base_m = wall == nullptr ? Vector3d(Vector3d::Constant(Truth::kNoWall))
+                                     : T_room_base.inverse() * wall_point_room_m(*wall, situation)};
 }
 
 void Player::record(std::int64_t number, double time_s, const SituationSource::Now& now) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <palpate/rod/base_loads.hpp>
 #include <palpate/sensing/tracker_frame.hpp>
 #include <palpate/simulation/scenario.hpp>
@@ -20,6 +21,9 @@ struct Truth {
   Pose T_tracker_base;
   Pose T_base_tip;
   bool in_contact = false;
+  Vector3d wall_base_m = Vector3d::Constant(kNoWall);  ///< a point of a WallLoad's surface, in the clamp's axes
+
+  static constexpr double kNoWall = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// What a reader of the recording should know: contact made and lost, an instability on the way.
