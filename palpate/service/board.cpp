@@ -42,6 +42,17 @@ nlohmann::json sensors_json(const CatheterView& view, const CatheterCounters& co
   return out;
 }
 
+/// Of the latest frame: "usable", or why it was not.
+nlohmann::json sensors_now_json(const CatheterView& view) {
+  nlohmann::json out = nlohmann::json::object();
+  const auto& names = view.settings->sensor_names;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const Rejection why = view.latest.estimate.rejections[i];
+    out[names[i]] = why == Rejection::kNone ? "usable" : std::string(describe(why));
+  }
+  return out;
+}
+
 nlohmann::json times_json(const CatheterCounters& counters) {
   const auto count = [&](FrameTime time) { return counters.by_time[static_cast<std::size_t>(time)].get(); };
   return {{"stood_still", count(FrameTime::kStandsStill)},
@@ -72,38 +83,59 @@ bool CatheterView::take(const session::LiveRecord& record) {
   return true;
 }
 
-Health health_of(const CatheterView& view, std::int64_t now_ns) {
-  if (!view.any) return {LiveState::kWaiting, {"no frame has come yet"}};
-  Health out{LiveState::kLive, {}};
+namespace {
+
+bool comes_late(const CatheterCounters& counters, std::int64_t now_ns) {
+  constexpr std::uint64_t kRecently_ns = 1'000'000'000;
+  return counters.last_miss_ns.get() + kRecently_ns > static_cast<std::uint64_t>(now_ns);
+}
+
+}  // namespace
+
+namespace {
+
+bool is_fresh(const CatheterView& view, std::int64_t now_ns) {
+  const std::int64_t age_ns = now_ns - view.latest.received_ns + nanoseconds(view.latest.late_s);
+  return age_ns < static_cast<std::int64_t>(view.live->counters().stale_after_ns.get());
+}
+
+}  // namespace
+
+LiveState state_of(const CatheterView& view, std::int64_t now_ns) {
+  if (!view.any) return LiveState::kWaiting;
   const CatheterCounters& counters = view.live->counters();
+  if (view.latest.kind == Kind::kStale || counters.is_stale.get() != 0 || !is_fresh(view, now_ns))
+    return LiveState::kStale;
+  const bool doubtful = counters.is_inconsistent.get() != 0 || comes_late(counters, now_ns);
+  return doubtful ? LiveState::kDegraded : LiveState::kLive;
+}
+
+Health health_of(const CatheterView& view, std::int64_t now_ns) {
+  const LiveState state = state_of(view, now_ns);
+  if (state == LiveState::kWaiting) return {state, {"no frame has come yet"}};
+  const CatheterCounters& counters = view.live->counters();
+  if (state == LiveState::kStale) {
+    const double silent_s = seconds(now_ns - static_cast<std::int64_t>(counters.last_received_ns.get()));
+    return {state, {fmt::format("no usable frame for {:.1f} s", silent_s)}};
+  }
+  Health out{state, {}};
   const Estimate& estimate = view.latest.estimate;
-  constexpr std::int64_t kRecently_ns = 1'000'000'000;
-  const auto now = static_cast<std::uint64_t>(now_ns);
-  if (counters.is_inconsistent.get() != 0) {
-    out.state = LiveState::kDegraded;
+  if (counters.is_inconsistent.get() != 0)
     out.words.emplace_back(
         "the sensors contradict the shaft's model: is the field distorted, a sensor shifted, the shaft touched?");
-  }
-  if (counters.last_miss_ns.get() + kRecently_ns > now) {
-    out.state = LiveState::kDegraded;
+  if (comes_late(counters, now_ns))
     out.words.emplace_back("estimates come late: the computer or the network is too busy");
-  }
   if (view.settings->settings.reference.given && !view.reference_done)
     out.words.emplace_back("waits for the reference interval: keep the tip free");
   if (!is_measured(estimate.status) && estimate.status != EstimateStatus::kStale)
     out.words.push_back(fmt::format("the latest frame gives no force: {}", describe(estimate.status)));
   if (!estimate.observability.all_observable()) out.words.push_back(describe(estimate.observability));
-  if (view.latest.kind == Kind::kStale || counters.is_stale.get() != 0) {
-    const double silent_s = seconds(now_ns - static_cast<std::int64_t>(counters.last_received_ns.get()));
-    return {LiveState::kStale, {fmt::format("no usable frame for {:.1f} s", silent_s)}};
-  }
   return out;
 }
 
 bool shows_force(const CatheterView& view, std::int64_t now_ns) {
-  const std::int64_t age_ns = now_ns - view.latest.received_ns + nanoseconds(view.latest.late_s);
   return view.any && view.latest.kind == Kind::kFrame && is_measured(view.latest.estimate.status) &&
-         age_ns < static_cast<std::int64_t>(view.live->counters().stale_after_ns.get());
+         is_fresh(view, now_ns);
 }
 
 nlohmann::json catheter_json(const CatheterView& view, std::int64_t now_ns) {
@@ -129,6 +161,7 @@ nlohmann::json catheter_json(const CatheterView& view, std::int64_t now_ns) {
   out["age_s"] = seconds(now_ns - view.latest.received_ns) + view.latest.late_s;
   out["rate_hz"] = period_s > 0.0 ? nlohmann::json(1.0 / period_s) : nlohmann::json();
   out["force_tip_N"] = shows_force(view, now_ns) ? numbers(estimate.force_tip_N) : nlohmann::json();
+  out["sensors_now"] = sensors_now_json(view);
   out["sigma_N"] = numbers(estimate.covariance_tip_N2.diagonal().cwiseSqrt());
   return out;
 }

@@ -37,6 +37,8 @@ struct CatheterView {
   bool take(const session::LiveRecord& record);
 };
 
+LiveState state_of(const CatheterView& view, std::int64_t now_ns);
+
 /// State now, and why, in words that a person at the table understands.
 struct Health {
   LiveState state = LiveState::kWaiting;

@@ -22,9 +22,19 @@ double LatencyHistogram::percentile_s(double share) const {
   const auto wanted = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(count())));
   std::uint64_t seen = 0;
   for (std::size_t i = 0; i < bins_.size() && wanted > 0; ++i)
-    if ((seen += bins_[i].get()) >= wanted)
-      return std::min(1e-6 * std::pow(10.0, static_cast<double>(i + 1) / kBinsADecade), most_s());
+    if ((seen += bins_[i].get()) >= wanted) return std::min(upper_end_s(i), most_s());
   return 0.0;
+}
+
+std::vector<LatencyHistogram::Bin> LatencyHistogram::bins() const {
+  std::vector<Bin> out;
+  for (std::size_t i = 0; i < bins_.size(); ++i)
+    if (const std::uint64_t count = bins_[i].get(); count > 0) out.push_back({upper_end_s(i), count});
+  return out;
+}
+
+double LatencyHistogram::upper_end_s(std::size_t bin) {
+  return 1e-6 * std::pow(10.0, static_cast<double>(bin + 1) / kBinsADecade);
 }
 
 }  // namespace palpate::service

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <palpate/observer/estimate.hpp>
+#include <vector>
 
 namespace palpate::service {
 
@@ -35,7 +36,7 @@ struct CatheterCounters {
   Counter is_stale, is_inconsistent, period_ns, stale_after_ns, last_received_ns, last_miss_ns;  ///< as they are now
 };
 
-/// How long something took: a histogram of 20 bins a decade, 1 us to 10 s, so that a percentile is known within 12 %.
+/// How long something took: a histogram of 100 bins a decade, 1 us to 10 s, so that a percentile is known within 2.4 %.
 class LatencyHistogram {
  public:
   void add(std::int64_t latency_ns);
@@ -43,9 +44,16 @@ class LatencyHistogram {
   double percentile_s(double share) const;
   double most_s() const { return 1e-9 * static_cast<double>(most_ns_.get()); }
   std::uint64_t count() const;
+  struct Bin {
+    double upper_s = 0.0;
+    std::uint64_t count = 0;
+  };
+  /// Those that hold something.
+  std::vector<Bin> bins() const;
 
  private:
-  static constexpr int kBinsADecade = 20, kDecades = 7;
+  static double upper_end_s(std::size_t bin);
+  static constexpr int kBinsADecade = 100, kDecades = 7;
   std::array<Counter, kBinsADecade * kDecades + 1> bins_;
   Counter most_ns_;
 };

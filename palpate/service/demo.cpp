@@ -61,16 +61,16 @@ Scenario demo_scenario(const Catheter& catheter) {
   const RodSolver solver(catheter.rod, {});
   RodSolution<0> shape = solver.make_solution<0>();
   solver.solve({}, shape);
-  const Vector3d normal = shape.T_base_tip.R * Vector3d(0.0, 0.3, -1.0).normalized();
+  const Vector3d normal = shape.T_base_tip.R * Vector3d(0.0, -0.5, -1.0).normalized();
   WallLoad wall;
   wall.point_base_m = shape.T_base_tip.p - 1e-3 * normal;
   wall.normal_base = normal;
   wall.stiffness_N_per_m = 150.0;
   wall.tangential_stiffness_N_per_m = 100.0;
   wall.friction = 0.4;
-  // The tissue comes to the tip, stays for some twenty breaths' worth of beats, and leaves it again.
+  // The tissue comes to the tip, stays for a dozen breaths and leaves it again: some 8 to 34 g with every beat.
   wall.along_normal_m = {.sines = {{.amplitude = 1e-3, .frequency_hz = 0.25}},
-                         .points = {{0.0, 0.0}, {2.0, 9e-3}, {54.0, 9e-3}, {56.0, -4e-3}, {60.0, -4e-3}},
+                         .points = {{0.0, 0.0}, {2.0, 3.5e-3}, {54.0, 3.5e-3}, {56.0, -6e-3}, {60.0, -6e-3}},
                          .course = Signal::Course::kSmooth};
   wall.heart = {.beats_per_min = 70.0, .amplitude_m = 4e-3, .interval_spread = 0.05, .size_spread = 0.08};
   Scenario out;

@@ -109,8 +109,17 @@ bool ObserverLoop::take_commands() {
 
 void ObserverLoop::look_for_silence() {
   const std::int64_t now_ns = clock_.now_ns();
-  for (LiveCatheter* const catheter : catheters_)
-    if (now_ns >= catheter->next_look_ns() && catheter->look(now_ns, record_)) deliver();
+  for (std::size_t i = 0; i < catheters_.size(); ++i)
+    if (now_ns >= catheters_[i]->next_look_ns() && !waits(static_cast<int>(i)) && catheters_[i]->look(now_ns, record_))
+      deliver();
+}
+
+/// A frame of it is the next to be taken: it is not silent, the observer is late.
+bool ObserverLoop::waits(int catheter) {
+  return std::any_of(sources_.begin(), sources_.end(), [&](FrameQueue& source) {
+    const ArrivedFrame* const next = source.front();
+    return next != nullptr && next->catheter == catheter;
+  });
 }
 
 void ObserverLoop::say(int catheter, const char* event) {

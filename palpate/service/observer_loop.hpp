@@ -47,6 +47,7 @@ class ObserverLoop {
   bool take_frames();
   bool take_commands();
   void look_for_silence();
+  bool waits(int catheter);
   void say(int catheter, const char* event);
   void deliver();
   std::int64_t next_look_ns() const;

@@ -81,9 +81,9 @@ json report(const Tare& tare) {
 
 }  // namespace
 
-Operator::Operator(boost::asio::io_context& io, ObserverLoop& loop, std::vector<CatheterView>& views,
-                   std::function<void(std::size_t)> changed)
-    : io_(io), loop_(loop), views_(views), changed_(std::move(changed)) {}
+Operator::Operator(boost::asio::io_context& io, const HostClock& clock, ObserverLoop& loop,
+                   std::vector<CatheterView>& views, std::function<void(std::size_t)> changed)
+    : io_(io), clock_(clock), loop_(loop), views_(views), changed_(std::move(changed)) {}
 
 void Operator::take(std::string_view path, const std::string& text, const Reply& reply) {
   const json body = json::parse(text.empty() ? "{}" : text, nullptr, false);
@@ -102,7 +102,10 @@ void Operator::take(std::string_view path, const std::string& text, const Reply&
       if (what == "base") return base(i, body, reply);
       if (what == "tendon") return tendon(i, body, reply);
       if (what != "tare") return reply(refusal(404, fmt::format("{}: expected tare, base or tendon", printable(what))));
-      if (views_[i].recent.empty()) return reply(refusal(409, "tare: no frame has come yet"));
+      const LiveState state = state_of(views_[i], clock_.now_ns());
+      if (views_[i].recent.empty() || state == LiveState::kWaiting || state == LiveState::kStale)
+        return reply(refusal(409, fmt::format("tare: expected frames that come now, not {}", describe(state))));
+      if (body.contains("straight") && !body.at("straight").is_boolean()) refuse(body, "straight", "true or false");
       const double seconds = number(body, "seconds", 1.0, 0.05, CatheterView::kRecent_s, "seconds, 0.05 to 10");
       const double to_s = views_[i].recent.back().time_s;
       return tare(i, {.from_s = to_s - seconds, .to_s = to_s, .straight = body.value("straight", false)}, reply);
@@ -158,7 +161,7 @@ void Operator::note(const json& body, const Reply& reply) {
   if (!body.contains("text") || !body["text"].is_string()) refuse(body, "text", "what is to be noted");
   int index = -1;
   for (std::size_t i = 0; i < views_.size(); ++i)
-    if (body.value("catheter", "") == views_[i].settings->name) index = static_cast<int>(i);
+    if (body.contains("catheter") && body["catheter"] == views_[i].settings->name) index = static_cast<int>(i);
   if (body.contains("catheter") && index < 0) refuse(body, "catheter", "the name of a catheter");
   const bool taken = loop_.command({.catheter = index, .event = "note", .data = text_of({{"text", body["text"]}})});
   reply(taken ? Answer{200, {{"note", body["text"]}}} : refusal(503, "note: too many commands wait"));

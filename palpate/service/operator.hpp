@@ -26,7 +26,7 @@ class Operator {
   using Reply = std::function<void(const Answer&)>;
 
   /// `changed`: this catheter is another from now on.
-  Operator(boost::asio::io_context& io, ObserverLoop& loop, std::vector<CatheterView>& views,
+  Operator(boost::asio::io_context& io, const HostClock& clock, ObserverLoop& loop, std::vector<CatheterView>& views,
            std::function<void(std::size_t catheter)> changed);
 
   /// `path` behind /api: "/catheters/NAME/tare", "/notes", ...; the answer comes by `reply`, once.
@@ -46,6 +46,7 @@ class Operator {
                 const Reply& reply);
 
   boost::asio::io_context& io_;
+  const HostClock& clock_;
   boost::asio::thread_pool pool_{1};
   ObserverLoop& loop_;
   std::vector<CatheterView>& views_;

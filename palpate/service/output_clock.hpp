@@ -29,7 +29,7 @@ class OutputClock {
       if (std::isfinite(device_s)) offset_s_ = out_s - device_s;
     }
     started_ = true;
-    received_s_ = received_s;
+    received_s_ = std::max(received_s_, received_s);  // a frame that waited came before what was said of its silence
     return last_s_ = std::max(last_s_, out_s);
   }
 

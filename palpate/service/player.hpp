@@ -5,6 +5,7 @@
 #include <palpate/service/counters.hpp>
 #include <palpate/service/frame_queue.hpp>
 #include <palpate/service/host_clock.hpp>
+#include <palpate/service/played_truth.hpp>
 #include <palpate/service/wakeup.hpp>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct Reel {
   double speed = 1.0;  ///< 0: as fast as the observer takes them, none is dropped
   bool loop = false;
   CatheterCounters* counters = nullptr;
+  PlayedTruth truth = {};  ///< of a simulation
 };
 
 /// Plays reels by the clock, all from one thread. A frame comes as long after the first as its time says; time that

@@ -4,6 +4,7 @@
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -17,6 +18,11 @@ std::string ask_for_priority(int priority) {
   if (error == 0) return {};
   return fmt::format("service.real_time_priority = {}: refused: {}; it takes root, CAP_SYS_NICE or a limit rtprio",
                      priority, std::strerror(error));
+}
+
+void stand_back() {
+  constexpr int kNice = 10;
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);  // Linux: of this thread alone
 }
 
 std::string ask_for_locked_memory() {

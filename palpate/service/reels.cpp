@@ -45,7 +45,7 @@ std::vector<TrackerFrame> read_frames(const CatheterSettings& catheter) {
 }
 
 /// Sensors of the scenario's catheter must be those of the catheter that watches.
-std::vector<TrackerFrame> play_scenario(const CatheterSettings& catheter) {
+void play_scenario(const CatheterSettings& catheter, Reel& reel) {
   const ScenarioFile scenario = read_scenario_file(catheter.source.path);
   TrackerRecording recording;
   recording.source = catheter.source.path.string();
@@ -53,9 +53,18 @@ std::vector<TrackerFrame> play_scenario(const CatheterSettings& catheter) {
   const BaseRegistration& base = scenario.scenario.catheter.base;
   if (base.tracked) recording.sensor_names.push_back(base.sensor.name);
   recording.sensor_lines.assign(recording.sensor_names.size(), 0);
-  recording.frames = run_scenario(scenario.scenario).frames;
+  VirtualRun run = run_scenario(scenario.scenario);
+  reel.truth = truth_of(scenario.scenario, run);
+  recording.frames = std::move(run.frames);
   bind_to_catheter(recording, catheter.settings.catheter, catheter.settings.ignore_sensors);
-  return std::move(recording.frames);
+  reel.frames = std::move(recording.frames);
+}
+
+void play_demo(const CatheterSettings& catheter, Reel& reel) {
+  const Scenario scenario = demo_scenario(catheter.settings.catheter);
+  VirtualRun run = run_scenario(scenario);
+  reel.truth = truth_of(scenario, run);
+  reel.frames = std::move(run.frames);
 }
 
 }  // namespace
@@ -64,10 +73,10 @@ Reel make_reel(int index, const CatheterSettings& catheter, CatheterCounters& co
   Reel reel{.catheter = index, .speed = catheter.source.speed, .loop = catheter.source.loop, .counters = &counters};
   switch (catheter.source.kind) {
     case SourceSettings::Kind::kDemo:
-      reel.frames = run_scenario(demo_scenario(catheter.settings.catheter)).frames;
+      play_demo(catheter, reel);
       break;
     case SourceSettings::Kind::kSimulation:
-      reel.frames = play_scenario(catheter);
+      play_scenario(catheter, reel);
       break;
     default:
       reel.frames = read_frames(catheter);

@@ -28,10 +28,13 @@ Service::Parts::Parts(Settings what) : settings(std::move(what)) {
   for (std::size_t i = 0; i < settings.catheters.size(); ++i) {
     const CatheterSettings& each = settings.catheters[i];
     const Kind kind = each.source.kind;
-    if (kind != Kind::kOpenIgtLink && kind != Kind::kStandardInput && kind != Kind::kNdi)
-      reels.push_back(make_reel(static_cast<int>(i), each, catheters[i].counters()));
+    truths.emplace_back();
+    if (kind == Kind::kOpenIgtLink || kind == Kind::kStandardInput || kind == Kind::kNdi) continue;
+    reels.push_back(make_reel(static_cast<int>(i), each, catheters[i].counters()));
+    truths.back() = std::move(reels.back().truth);
   }
   make_servers();
+  if (web) make_page();
   make_loop();
   make_sources(std::move(reels));
 }
@@ -64,7 +67,10 @@ void Service::Parts::make_loop() {
   std::vector<LiveCatheter*> pointers;
   for (LiveCatheter& each : catheters) pointers.push_back(&each);
   loop.emplace(clock, std::move(pointers), sinks);
-  operators.emplace(io, *loop, views, [this](std::size_t i) { outputs[i].set_catheter(views[i].catheter); });
+  operators.emplace(io, clock, *loop, views, [this](std::size_t i) {
+    outputs[i].set_catheter(views[i].catheter);
+    if (page) page->set_catheter(i);
+  });
 }
 
 void Service::Parts::make_sources(std::vector<Reel> reels) {
@@ -125,9 +131,29 @@ void Service::Parts::make_servers() {
     server.emplace(io, link::ServerOptions{.address = settings.link.address,
                                            .port = settings.link.port,
                                            .most_clients = settings.link.most_clients});
-  if (settings.control.on)
-    control.emplace(io, settings.control.port,
-                    [this](const HttpRequest& request, const HttpServer::Reply& reply) { answer(request, reply); });
+  if (!settings.dashboard.on) return;
+  if (settings.dashboard.server.token.empty()) settings.dashboard.server.token = http::new_token();
+  // It has a thread of its own; what it brings is done on the network's.
+  const auto here = [this](auto&& what) { boost::asio::post(io, std::forward<decltype(what)>(what)); };
+  web.emplace(
+      settings.dashboard.server,
+      [this, here](const http::Request& request, const http::Server::Reply& reply) {
+        here([this, request, reply] { answer(request, reply); });
+      },
+      http::ClientEvents{
+          .opened = [this, here](http::ClientId id) { here([this, id] { page->opened(id, clock.now_ns()); }); },
+          .text =
+              [this, here](http::ClientId id, std::string text) {
+                here([this, id, text = std::move(text)] { page->text(id, text, clock.now_ns()); });
+              },
+          .closed = [this, here](http::ClientId id) { here([this, id] { page->closed(id); }); }});
+}
+
+void Service::Parts::make_page() {
+  std::vector<const PlayedTruth*> known;
+  for (const PlayedTruth& truth : truths) known.push_back(truth.moments.empty() ? nullptr : &truth);
+  page.emplace(settings, views, std::move(known),
+               [this](http::ClientId client, http::Message message) { web->send(client, std::move(message)); });
 }
 
 Service::Service(Settings settings) : parts_(std::make_unique<Parts>(std::move(settings))) {}
@@ -147,7 +173,16 @@ nlohmann::json Service::finish() {
 
 nlohmann::json Service::health() const { return parts_->health(); }
 std::uint16_t Service::link_port() const { return parts_->server ? parts_->server->port() : 0; }
-std::uint16_t Service::control_port() const { return parts_->control ? parts_->control->port() : 0; }
+std::uint16_t Service::dashboard_port() const { return parts_->web ? parts_->web->port() : 0; }
+const std::string& Service::token() const { return parts_->settings.dashboard.server.token; }
+
+std::string Service::dashboard_address() const {
+  if (!parts_->web) return "";
+  const http::ServerOptions& server = parts_->settings.dashboard.server;
+  const std::string& host = server.hosts.empty() ? server.address : server.hosts.front();
+  return fmt::format("{}://{}:{}/?token={}", parts_->web->secure() ? "https" : "http",
+                     host.find(':') == std::string::npos ? host : "[" + host + "]", parts_->web->port(), server.token);
+}
 const std::vector<std::string>& Service::warnings() const { return parts_->settings.warnings; }
 
 }  // namespace palpate::service

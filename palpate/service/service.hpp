@@ -9,9 +9,10 @@
 
 namespace palpate::service {
 
-/// The running instrument: sources -> observer -> recording, OpenIGTLink, control.
+/// The running instrument: sources -> observer -> recording, OpenIGTLink, dashboard.
 ///
-///   network thread    OpenIGTLink in and out, control; the one that calls run()
+///   network thread    OpenIGTLink in and out, what the dashboard is told and asks for; the one that calls run()
+///   web thread        the dashboard's connections (http::Server), behind all others: a flood costs nobody else
 ///   player, reader    recordings and simulations by the clock; standard input; one for each serial port
 ///   observer thread   every frame of every catheter (ObserverLoop); waits for nobody
 ///   recorder thread   SQLite (SessionWriter)
@@ -35,7 +36,11 @@ class Service {
   /// From run()'s thread, or while nothing runs. Ports: 0 where there is no such server.
   nlohmann::json health() const;
   std::uint16_t link_port() const;
-  std::uint16_t control_port() const;
+  std::uint16_t dashboard_port() const;
+  /// What every request to the dashboard's port must bring.
+  const std::string& token() const;
+  /// What a person opens in a browser, token included; empty where there is no dashboard.
+  std::string dashboard_address() const;
   const std::vector<std::string>& warnings() const;
 
  private:

@@ -25,6 +25,14 @@ nlohmann::json server_json(const link::ServerHealth& health) {
           {"closed_malformed", health.closed_malformed}};
 }
 
+nlohmann::json web_json(const http::ServerHealth& health) {
+  return {
+      {"clients", health.clients},     {"connections", health.connections},   {"accepted", health.accepted},
+      {"refused", health.refused},     {"unauthorized", health.unauthorized}, {"forbidden", health.forbidden},
+      {"malformed", health.malformed}, {"timed_out", health.timed_out},       {"sent", health.sent},
+      {"dropped", health.dropped},     {"closed_stuck", health.closed_stuck}, {"last_refusal", health.last_refusal}};
+}
+
 nlohmann::json source_json(const LinkSource& source) {
   const link::ClientHealth& health = source.health();
   return {{"server", source.server()},
@@ -50,7 +58,10 @@ nlohmann::json source_json(const NdiSource& source) {
 }
 
 nlohmann::json latency_json(const LatencyHistogram& latency) {
+  nlohmann::json bins = nlohmann::json::array();
+  for (const auto& [upper_s, count] : latency.bins()) bins.push_back({upper_s, count});
   return {{"count", latency.count()},
+          {"histogram", std::move(bins)},
           {"p50_s", latency.percentile_s(0.5)},
           {"p99_s", latency.percentile_s(0.99)},
           {"p99_9_s", latency.percentile_s(0.999)},
@@ -64,6 +75,7 @@ nlohmann::json Service::Parts::health() const {
   for (const CatheterView& view : views) out["catheters"].push_back(catheter_json(view, clock.now_ns()));
   if (writer) out["recording"] = recording_json(settings.recording.path.string(), writer->health());
   if (server) out["openigtlink"] = server_json(server->health());
+  if (web) out["dashboard"] = web_json(web->health());
   out["network_dropped"] = network.dropped();
   out["refusals"] = refusals;
   for (const LinkSource& link : links) out["sources"].push_back(source_json(link));
@@ -71,7 +83,7 @@ nlohmann::json Service::Parts::health() const {
   return out;
 }
 
-void Service::Parts::answer(const HttpRequest& request, const HttpServer::Reply& reply) {
+void Service::Parts::answer(const http::Request& request, const http::Server::Reply& reply) {
   constexpr std::string_view kApi = "/api";
   if (request.method == "GET" && request.target == "/api/health") return reply({200, text_of(health())});
   if (request.method != "POST" || !request.target.starts_with(kApi))

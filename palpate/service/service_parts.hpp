@@ -9,13 +9,14 @@
 #include <deque>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <palpate/http/server.hpp>
 #include <palpate/link/server.hpp>
-#include <palpate/service/http_server.hpp>
 #include <palpate/service/link_output.hpp>
 #include <palpate/service/link_source.hpp>
 #include <palpate/service/ndi_source.hpp>
 #include <palpate/service/network_sink.hpp>
 #include <palpate/service/operator.hpp>
+#include <palpate/service/page.hpp>
 #include <palpate/service/reels.hpp>
 #include <palpate/service/service.hpp>
 #include <palpate/service/standard_input.hpp>
@@ -59,20 +60,25 @@ struct Service::Parts {
   std::optional<StandardInput> input;
   std::deque<NdiSource> auroras;
   std::optional<link::Server> server;
-  std::optional<HttpServer> control;
+  std::deque<PlayedTruth> truths;  // one a catheter; empty where nothing is known
+  std::optional<Page> page;
+  std::optional<http::Server> web;
   boost::asio::posix::stream_descriptor network_ready{io};
   boost::asio::steady_timer tick{io}, look_timer{io};
   boost::asio::signal_set signals{io};
   std::function<void()> look;
   std::atomic<int> playing{0};        // finite sources that have not ended
   std::vector<std::string> refusals;  // what the system does not grant
-  std::string input_error;            // written before `playing` falls
-  bool goes_on = false;               // a source that has no end
-  std::thread observer_thread, player_thread, input_thread;
+  std::uint64_t strangers = 0;        // refused at the dashboard's port, as far as that was told
+  std::int64_t strangers_due_ns = 0;
+  std::string input_error;  // written before `playing` falls
+  bool goes_on = false;     // a source that has no end
+  std::thread observer_thread, player_thread, input_thread, web_thread;
   std::vector<std::thread> aurora_threads;
 
   void add_catheter(const CatheterSettings& each);
   void make_servers();
+  void make_page();
   void make_loop();
   void make_sources(std::vector<Reel> reels);
   void make_links();
@@ -86,8 +92,9 @@ struct Service::Parts {
   void drain();
   void tick_later();
   void look_later();
-  void answer(const HttpRequest& request, const HttpServer::Reply& reply);
+  void answer(const http::Request& request, const http::Server::Reply& reply);
   void refuse(const std::string& why);
+  void tell_of_strangers();
   void say(const std::string& event, const nlohmann::json& data, int catheter = -1);
   nlohmann::json health() const;
 };

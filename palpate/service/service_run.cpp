@@ -35,6 +35,11 @@ void Service::Parts::start() {
     });
   for (LinkSource& link : links) link.start();
   for (NdiSource& aurora : auroras) aurora_threads.emplace_back([&aurora] { aurora.run(); });
+  if (web)
+    web_thread = std::thread([this] {
+      stand_back();
+      web->run();
+    });
   network_ready.assign(network.wakeup().descriptor());
   wait_for_records();
   tick_later();
@@ -68,7 +73,8 @@ void Service::Parts::finish() {
   network_ready.release();
   tick.cancel();
   look_timer.cancel();
-  if (control) control->stop();
+  if (web) web->stop();
+  if (web_thread.joinable()) web_thread.join();
   if (server) server->stop();
   io.stop();
 }
@@ -86,12 +92,14 @@ void Service::Parts::drain() {
   const bool listened = server && server->health().clients > 0;
   while (const session::LiveRecord* const record = network.front()) {
     if (record->kind == session::LiveRecord::Kind::kEvent) {
+      if (page) page->take_event(*record);
       network.pop();
       continue;
     }
     const auto i = static_cast<std::size_t>(record->catheter);
     const bool news = views[i].take(*record);
     network.pop();
+    if (page && news) page->take(i, views[i].latest, clock.now_ns());
     if (!listened || !news) continue;
     auto bytes = std::make_shared<std::vector<std::byte>>();
     outputs[i].add(views[i], clock.now_ns(), *bytes);
@@ -106,9 +114,11 @@ void Service::Parts::tick_later() {
   tick.async_wait([this](const boost::system::error_code& error) {
     if (error) return;
     operators->look_for_reference();
+    if (web) tell_of_strangers();
     auto bytes = std::make_shared<std::vector<std::byte>>();
     for (std::size_t i = 0; i < views.size(); ++i) outputs[i].add_health(views[i], clock.now_ns(), *bytes);
     if (server && !bytes->empty()) server->broadcast(std::move(bytes));
+    if (page) page->look(clock.now_ns(), [this] { return health(); });
     const bool ended = !goes_on && playing == 0 && loop->idle() && network.front() == nullptr;
     ended ? stop() : tick_later();
   });
@@ -121,6 +131,19 @@ void Service::Parts::look_later() {
     look();
     look_later();
   });
+}
+
+/// Who was refused stands in the recording; of many within a second the latest, and how many.
+void Service::Parts::tell_of_strangers() {
+  constexpr std::int64_t kEvery_ns = 1'000'000'000;
+  const std::int64_t now_ns = clock.now_ns();
+  if (now_ns < strangers_due_ns) return;
+  const http::ServerHealth health = web->health();
+  const std::uint64_t refused = health.unauthorized + health.forbidden + health.malformed;
+  if (refused == strangers) return;
+  strangers_due_ns = now_ns + kEvery_ns;
+  say("stranger refused", {{"text", health.last_refusal}, {"count", refused - strangers}});
+  strangers = refused;
 }
 
 /// It goes on without.

@@ -121,11 +121,47 @@ void read_recording(const TomlTable& root, const std::filesystem::path& folder, 
   out.options.queue = static_cast<std::size_t>(table->integer("queue", {64, 1 << 20, "records, 64 to 1048576"}, 8192));
 }
 
-void read_control(const TomlTable& root, ControlSettings& out) {
-  const auto table = root.table("control", {"on", "port"});
+std::vector<double> read_bands(const TomlTable& table, const std::vector<double>& fallback) {
+  constexpr const char* kExpected = "one to eight edges, positive and rising, in grams-force";
+  const toml::node* const node = table.find("bands_g");
+  if (node == nullptr) return fallback;
+  const toml::array* const entries = node->as_array();
+  if (entries == nullptr || entries->empty() || entries->size() > 8) table.refuse("bands_g", kExpected);
+  std::vector<double> edges;
+  for (const toml::node& entry : *entries) {
+    const std::optional<double> edge = entry.value<double>();
+    if (!edge || !(*edge > (edges.empty() ? 0.0 : edges.back()) && *edge <= 1e5)) table.refuse("bands_g", kExpected);
+    edges.push_back(*edge);
+  }
+  return edges;
+}
+
+std::vector<std::string> read_hosts(const TomlTable& table) {
+  std::vector<std::string> hosts;
+  if (!table.has("hosts")) return hosts;
+  const toml::array* const entries = table.find("hosts")->as_array();
+  if (entries == nullptr) table.refuse("hosts", "names by which a browser calls this computer");
+  for (const toml::node& entry : *entries) {
+    if (!entry.is_string()) table.refuse("hosts", "names by which a browser calls this computer");
+    hosts.push_back(entry.as_string()->get());
+  }
+  return hosts;
+}
+
+void read_dashboard(const TomlTable& root, const std::filesystem::path& folder, DashboardSettings& out) {
+  const auto table = root.table(
+      "dashboard", {"on", "address", "port", "hosts", "certificate", "key", "most_connections", "bands_g", "unit"});
   if (!table) return;
   out.on = table->flag("on", out.on);
-  out.port = port(*table, out.port);
+  out.server.address = table->text("address", out.server.address);
+  out.server.port = port(*table, out.server.port);
+  out.server.hosts = read_hosts(*table);
+  if (table->has("certificate")) out.server.certificate = folder / table->text("certificate");
+  if (table->has("key")) out.server.key = folder / table->text("key");
+  out.server.most_connections =
+      static_cast<std::size_t>(table->integer("most_connections", {16, 1000, "connections, 16 to 1000"}, 64));
+  out.bands_g = read_bands(*table, out.bands_g);
+  out.unit = table->choice<std::string>("unit", {{"g", "g"}, {"mN", "mN"}, {"N", "N"}}, out.unit);
 }
 
 }  // namespace
@@ -146,14 +182,14 @@ Settings read_settings(const std::filesystem::path& path) {
   const TextFile file = read_text_file(path);
   const toml::table document = parse_toml(file);
   const TomlTable root(document, "", file.name,
-                       {"schema", "service", "recording", "openigtlink", "control", "catheter"});
+                       {"schema", "service", "recording", "openigtlink", "dashboard", "catheter"});
   if (root.integer("schema", {1, 1, "1"}, 0) != 1) root.refuse("schema", "1");
   const std::filesystem::path folder = path.parent_path();
   Settings out;
   out.source = file.name;
   read_service(root, out);
   read_link(root, out.link);
-  read_control(root, out.control);
+  read_dashboard(root, folder, out.dashboard);
   read_recording(root, folder, out.recording);
   for (const TomlTable& entry : root.tables("catheter", {"name", "file", "source"}))
     out.catheters.push_back(read_entry(entry, folder));

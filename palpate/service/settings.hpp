@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <palpate/http/server.hpp>
 #include <palpate/recording/catheter_file.hpp>
 #include <palpate/session/writer.hpp>
 #include <string>
@@ -53,9 +54,12 @@ struct LinkSettings {
   std::size_t most_clients = 16;
 };
 
-struct ControlSettings {
+/// The page in the browser, and the control interface beside it.
+struct DashboardSettings {
   bool on = true;
-  std::uint16_t port = 18946;  ///< on 127.0.0.1; 0: any free one
+  http::ServerOptions server{.port = 18946};              ///< address, port, names, certificate; port 0: any free one
+  std::vector<double> bands_g = {5.0, 10.0, 30.0, 40.0};  ///< edges of the number's colours; positive, rising
+  std::string unit = "g";                                 ///< that it begins with: g, mN, N
 };
 
 struct RecordingSettings {
@@ -68,7 +72,7 @@ struct Settings {
   std::string source;  ///< the file it was read from, for messages
   std::vector<CatheterSettings> catheters;
   LinkSettings link;
-  ControlSettings control;
+  DashboardSettings dashboard;
   RecordingSettings recording;
   double stale_s = 0.1;        ///< least silence that counts as one; range [0.02, 10]
   int real_time_priority = 0;  ///< of the observer's thread (SCHED_FIFO); 0: as any other; range [0, 99]

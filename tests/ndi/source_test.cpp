@@ -69,7 +69,7 @@ TEST_F(NdiSourceOfService, AWholeServiceFeelsThroughAnAurora) {
   Settings settings = demo_settings();
   settings.catheters[0].source = {
       .kind = Kind::kNdi, .path = path("aurora"), .tools = {{"tip", "0A"}, {"shaft", "1-1"}}};
-  settings.link.port = settings.control.port = 0;
+  settings.link.port = settings.dashboard.server.port = 0;
   settings.recording.path = path("s.palpate");
   test::AuroraSimulator aurora(path("aurora"), {.frames = frames});
   Service service(settings);

@@ -32,6 +32,18 @@ TEST(OutputClock, ADeviceThatKeepsUtcIsBelieved) {
   EXPECT_EQ(stamps(device), device);
 }
 
+/// Frames that waited a second for the observer, silence said between each two of them: time does not run away.
+TEST(OutputClock, FramesThatWaitedAreNotCountedTwice) {
+  OutputClock clock;
+  double last_s = clock.stamp(100.0, kUtc_s);
+  for (int i = 1; i <= 40; ++i) {
+    const double now_s = kUtc_s + 1.0 + 1e-4 * i;
+    clock.stamp(std::numeric_limits<double>::quiet_NaN(), now_s);
+    last_s = clock.stamp(100.0 + 0.025 * i, kUtc_s + 0.025 * i);
+  }
+  EXPECT_LT(last_s, kUtc_s + 1.1);
+}
+
 TEST(OutputClock, AnotherClockIsMovedToUtcOnce) {
   const std::vector<double> out = stamps({100.0, 100.025, 100.05});
   EXPECT_EQ(out[0], kUtc_s);

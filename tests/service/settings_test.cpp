@@ -47,8 +47,16 @@ address = "0.0.0.0"
 port = 18950
 shape_hz = 10
 most_clients = 3
-[control]
+[dashboard]
 on = false
+address = "192.168.1.5"
+port = 18951
+hosts = ["lab", "lab.example.org"]
+certificate = "lab.pem"
+key = "/etc/lab.key"
+most_connections = 20
+bands_g = [10, 20.5]
+unit = "mN"
 [[catheter]]
 name = "ablation"
 file = "c.toml"
@@ -72,7 +80,15 @@ TEST_F(ServeSettings, EveryKeyIsRead) {
   EXPECT_EQ(out.link.port, 18950);
   EXPECT_DOUBLE_EQ(out.link.shape_hz, 10.0);
   EXPECT_EQ(out.link.most_clients, 3u);
-  EXPECT_FALSE(out.control.on);
+  EXPECT_FALSE(out.dashboard.on);
+  EXPECT_EQ(out.dashboard.server.address, "192.168.1.5");
+  EXPECT_EQ(out.dashboard.server.port, 18951);
+  EXPECT_EQ(out.dashboard.server.hosts, (std::vector<std::string>{"lab", "lab.example.org"}));
+  EXPECT_EQ(out.dashboard.server.certificate, path("lab.pem"));
+  EXPECT_EQ(out.dashboard.server.key, "/etc/lab.key");
+  EXPECT_EQ(out.dashboard.server.most_connections, 20U);
+  EXPECT_EQ(out.dashboard.bands_g, (std::vector<double>{10.0, 20.5}));
+  EXPECT_EQ(out.dashboard.unit, "mN");
   ASSERT_EQ(out.catheters.size(), 2u);
   EXPECT_EQ(out.catheters[0].sensor_names, (std::vector<std::string>{"tip", "shaft"}));
   EXPECT_EQ(out.catheters[0].source.host, "tracker");
