@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # The pages under web/, bundled into one script and one style sheet and put into the program.
-# palpate_web: a static library with the bytes; PALPATE_WEB OFF leaves it empty, and `palpate report` says so.
+# palpate_web: a static library with the bytes; PALPATE_WEB OFF leaves it empty, and `palpate report` says so, and
+# `palpate serve` has no page.
 option(PALPATE_WEB "Bundle the pages under web/ into palpate (needs node and npm)" ON)
 
 add_library(palpate_web STATIC web/assets.cpp)
@@ -13,7 +14,7 @@ endif()
 find_program(PALPATE_NODE node)
 find_program(PALPATE_NPM npm)
 if(NOT PALPATE_NODE OR NOT PALPATE_NPM)
-  message(FATAL_ERROR "node and npm are needed for the pages of palpate report: install nodejs and npm "
+  message(FATAL_ERROR "node and npm are needed for the pages of palpate report and serve: install nodejs and npm "
                       "(tools/install_packages.sh), or leave the pages out with -DPALPATE_WEB=OFF")
 endif()
 
@@ -28,10 +29,11 @@ add_custom_command(
   DEPENDS ${web_source}/package.json ${web_source}/package-lock.json
   COMMENT "Fetching the packages of the pages" VERBATIM)
 
-file(GLOB web_modules CONFIGURE_DEPENDS ${web_source}/*.js ${web_source}/*.css ${web_source}/modules/*.js)
+file(GLOB web_modules CONFIGURE_DEPENDS ${web_source}/*.js ${web_source}/*.css ${web_source}/*.html ${web_source}/modules/*.js)
 add_custom_command(
   OUTPUT ${PALPATE_WEB_DIR}/bundle.stamp
-  BYPRODUCTS ${PALPATE_WEB_DIR}/report.js ${PALPATE_WEB_DIR}/report.css
+  BYPRODUCTS ${PALPATE_WEB_DIR}/report.js ${PALPATE_WEB_DIR}/report.css ${PALPATE_WEB_DIR}/dashboard.js
+             ${PALPATE_WEB_DIR}/dashboard.css ${PALPATE_WEB_DIR}/dashboard.html
   COMMAND ${PALPATE_NODE} ${web_source}/build.mjs ${PALPATE_WEB_DIR}
   DEPENDS ${PALPATE_WEB_DIR}/packages.stamp ${web_source}/build.mjs ${web_modules}
   COMMENT "Bundling the pages" VERBATIM)

@@ -14,4 +14,12 @@ struct PageAssets {
 
 PageAssets report_page();
 
+/// The page of `palpate serve`: served as `/`, `/dashboard.js` and `/dashboard.css`, which the first one names. All
+/// empty where the program was built without pages.
+struct DashboardAssets {
+  std::string_view html, script, style;
+};
+
+DashboardAssets dashboard_page();
+
 }  // namespace palpate::web

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // node web/build.mjs FOLDER: bundles the pages into FOLDER, whose node_modules hold what package-lock.json lists.
-import { readFileSync, writeFileSync } from 'node:fs';
+import { copyFileSync, readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -15,7 +15,7 @@ const licences = ['three', 'uplot']
   .join('\n\n');
 
 await esbuild.build({
-  entryPoints: { report: join(here, 'report.js') },
+  entryPoints: { report: join(here, 'report.js'), dashboard: join(here, 'dashboard.js') },
   outdir: folder,
   bundle: true,
   minify: true,
@@ -26,6 +26,8 @@ await esbuild.build({
   banner: { js: `/*! Palpate's page contains:\n\n${licences.replaceAll('*/', '* /')}\n*/` },
   logLevel: 'warning',
 });
+
+copyFileSync(join(here, 'dashboard.html'), join(folder, 'dashboard.html'));
 
 // What ends the element that the bundle is put into would break every page.
 for (const [name, end] of [['report.js', /<\/script|<!--/i], ['report.css', /<\/style/i]])

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of `palpate report`: puts the modules together around the data that the program wrote into it.
 import 'uplot/dist/uPlot.min.css';
+import './theme.css';
 import './report.css';
 import { bandsView, contactsView } from './modules/bands.js';
 import { choice, element } from './modules/dom.js';
@@ -119,7 +120,9 @@ const nisPlot = data.health.innovation ? createTimePlot(nisPlace, nisPlain(), pl
 
 // -------------------------------------------------------------------------------------------------------------- shape
 
-const moments = data.shapes.moments, momentTimes = moments.map(({ t }) => t);
+// Where the tracker saw no sensor there is no place.
+const moments = data.shapes.moments.map((moment) => ({ ...moment, seen: moment.seen.flatMap((at) => at ?? [NaN, NaN, NaN]) }));
+const momentTimes = moments.map(({ t }) => t);
 const sizes = moments.map(({ force }) => Math.hypot(...force)).filter(Number.isFinite).sort((a, b) => a - b);
 const scale = sizes.length && sizes[sizes.length - 1] > 0 ? (0.45 * data.shapes.length_mm) / sizes[Math.floor(0.98 * (sizes.length - 1))] : 100;
 const shape = moments.length ? createShapeView(shapePlace, { scale: Number.isFinite(scale) ? scale : 100 }) : null;

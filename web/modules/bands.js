@@ -1,20 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+import { bandNames, shadeOf } from './band_names.js';
 import { element, table } from './dom.js';
-import { UNITS, clock, fixed, format } from './units.js';
+import { clock, fixed, format } from './units.js';
 
-/** Names of the bands between edges in grams-force. */
-export function bandNames(edges_g, unit) {
-  const edge = (value_g) => fixed(value_g / UNITS.g.perNewton * unit.perNewton, unit === UNITS.g ? countDecimals(value_g) : unit === UNITS.N ? 3 : 0);
-  return [
-    `< ${edge(edges_g[0])}`,
-    ...edges_g.slice(1).map((upper, i) => `${edge(edges_g[i])}–${edge(upper)}`),
-    `≥ ${edge(edges_g[edges_g.length - 1])}`,
-  ].map((name) => `${name} ${unit.name}`);
-}
-const countDecimals = (value) => Math.min(3, (String(value).split('.')[1] ?? '').length);
-
-/** Light to dark in one hue, so that the order shows without colour vision; names and shares stand beside. */
-const shade = (i, count) => `var(--band-${Math.round((count > 1 ? i / (count - 1) : 0) * 4)})`;
+const shade = (i, count) => `var(--band-${shadeOf(i, count)})`;
 
 /** `bands`: {edges_g, seconds, not_measured_s, total_s}. Returns a bar and a table. */
 export function bandsView(bands, unit) {

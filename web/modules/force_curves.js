@@ -10,7 +10,7 @@ export const CHANNELS = {
   z: { label: 'Fz', title: 'along d3', colour: '--z' },
 };
 
-const Z_95 = 1.959964;
+export const Z_95 = 1.959964;
 const MEASURED = new Set(['UPDATED', 'RESEEDED']);
 export const isMeasured = (rows, i) => MEASURED.has(rows.statuses[rows.status[i]]);
 

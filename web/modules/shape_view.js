@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The shaft in space: sensors, tip frame, force and the region that holds it with 95 %.
-import {
-  AmbientLight, Box3, CatmullRomCurve3, Color, ConeGeometry, CylinderGeometry,
-  DirectionalLight, GridHelper, Group, Matrix4, Mesh, MeshLambertMaterial,
-  PerspectiveCamera, Scene, SphereGeometry, TubeGeometry, Vector3, WebGLRenderer,
-} from 'three';
+import { AmbientLight, Box3, DirectionalLight, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-import { colour, onThemeChange } from './theme.js';
-
-const points = (flat) => Array.from({ length: flat.length / 3 }, (_, i) => new Vector3().fromArray(flat, 3 * i));
+import { WALL_MM, createGround, createShapeThings } from './shape_things.js';
+import { onThemeChange } from './theme.js';
 
 /** Does this browser draw in three dimensions? */
 function hasWebGL() {
@@ -20,13 +15,14 @@ function hasWebGL() {
 }
 
 /**
- * `scale`: millimetres of arrow a newton. Moments: {shaft, sensors: flat millimetres in the base frame, seen: [[x, y, z] or
- * null], contact, R: tip frame column by column, force [N], ellipsoid: semi-axes [N] column by column}.
- * Returns {show(moment, measured), frame(moments), destroy}, or null where the browser cannot draw it.
+ * `scale`: millimetres of arrow a newton; `keep`: the picture can be read back; `far`: how far away one stands. Moments, flat arrays in the base frame:
+ * {shaft, sensors, seen: millimetres, contact, R: tip frame column by column, force [N], ellipsoid: semi-axes [N] column by
+ * column, wall, wallNormal}; what is no number is not shown, the wall may be left out.
+ * Returns {show(moment, measured), frame(moments), goHome, destroy}, or null where the browser cannot draw it.
  */
-export function createShapeView(parent, { scale }) {
+export function createShapeView(parent, { scale, keep = true, far = 1 }) {
   if (!hasWebGL()) return null;
-  const renderer = new WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
+  const renderer = new WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: keep });
   renderer.setPixelRatio(Math.min(2, devicePixelRatio));
   renderer.domElement.tabIndex = 0;
   renderer.domElement.setAttribute('role', 'img');
@@ -42,65 +38,33 @@ export function createShapeView(parent, { scale }) {
   camera.add(lamp);
   lamp.position.set(1, 2, 3);
   scene.add(camera);
-  const things = new Group(), ground = new Group();
-  scene.add(things, ground);
-  let last = null, home = null;
+  const things = createShapeThings(scale), ground = createGround();
+  scene.add(things.group, ground.group);
+  things.group.visible = false; // until there is a moment
+  let home = null;
 
   const render = () => renderer.render(scene, camera);
   const show = (moment, measured) => {
-    last = [moment, measured];
-    clear(things);
-    const ink = (name) => new Color(colour(name));
-    const lit = (name, more = {}) => new MeshLambertMaterial({ color: ink(name), ...more });
-    const ball = (at, radius, material) => {
-      const made = new Mesh(new SphereGeometry(radius, 20, 14), material);
-      made.position.copy(at);
-      return made;
-    };
-    const tube = new TubeGeometry(new CatmullRomCurve3(points(moment.shaft)), 60, 1.15, 12);
-    things.add(new Mesh(tube, lit('--shaft')));
-    for (const at of points(moment.sensors)) things.add(ball(at, 1.45, lit('--sensor-model')));
-    for (const at of moment.seen) if (at) things.add(ball(new Vector3().fromArray(at), 2.1, lit('--sensor', { transparent: true, opacity: 0.6 })));
-    const tip = new Vector3().fromArray(moment.shaft, moment.shaft.length - 3);
-    ['--x', '--y', '--z'].forEach((name, axis) => things.add(stick(tip, new Vector3().fromArray(moment.R, 3 * axis), 9, 0.3, lit(name))));
-    addForce(moment, measured, lit);
+    things.show(moment, measured);
+    things.group.visible = true;
     render();
   };
-  const addForce = (moment, measured, lit) => {
-    if (moment.force.some((value) => value === null)) return;
-    const from = new Vector3().fromArray(moment.contact), force = new Vector3().fromArray(moment.force).multiplyScalar(scale);
-    const name = measured ? '--size' : '--held-ink', faint = measured ? {} : { transparent: true, opacity: 0.5 };
-    const length = force.length();
-    if (length > 0.5) things.add(arrow(from, force.clone().normalize(), length, lit(name, faint)));
-    if (moment.ellipsoid.some((value) => value === null)) return;
-    const axes = points(moment.ellipsoid).map((axis) => axis.multiplyScalar(scale));
-    for (const axis of axes) if (axis.length() < 0.05) axis.setLength(0.05);
-    if (axes.some((axis) => !(axis.lengthSq() > 0))) return;
-    if (new Matrix4().makeBasis(...axes).determinant() < 0) axes[2].negate();
-    const region = new Mesh(new SphereGeometry(1, 32, 20), lit(name, { transparent: true, opacity: measured ? 0.3 : 0.12, depthWrite: false }));
-    region.matrixAutoUpdate = false;
-    region.matrix.makeBasis(...axes).setPosition(from.add(force));
-    things.add(region);
-  };
   const paint = () => {
-    clear(ground);
-    const grid = new GridHelper(100, 10, new Color(colour('--grid-strong')), new Color(colour('--grid')));
-    grid.rotation.x = Math.PI / 2; // the plane of the clamp, 10 mm a square
-    const clamp = new Mesh(new CylinderGeometry(2.6, 2.6, 6, 24), new MeshLambertMaterial({ color: new Color(colour('--held-ink')) }));
-    clamp.rotation.x = Math.PI / 2;
-    clamp.position.z = -3;
-    ground.add(grid, clamp);
-    if (last) show(...last);
+    ground.paint();
+    things.paint();
+    render();
   };
   /** Puts all moments' shapes into the picture. */
   const frame = (moments) => {
     const box = new Box3(new Vector3(-6, -6, -4), new Vector3(6, 6, 0));
-    for (const { shaft, contact, force } of moments) {
-      for (const at of points(shaft)) box.expandByPoint(at);
-      box.expandByPoint(new Vector3().fromArray(contact).addScaledVector(new Vector3().fromArray(force), scale));
+    for (const { shaft, contact, force, wallNormal } of moments) {
+      for (let i = 0; i < shaft.length; i += 3) box.expandByPoint(new Vector3().fromArray(shaft, i));
+      const end = new Vector3().fromArray(contact).addScaledVector(new Vector3().fromArray(force), scale);
+      if (Number.isFinite(end.x + end.y + end.z)) box.expandByPoint(end);
+      if (wallNormal) box.union(new Box3().setFromCenterAndSize(new Vector3().fromArray(contact), new Vector3().setScalar(1.4 * WALL_MM)));
     }
     box.expandByScalar(3);
-    const middle = box.getCenter(new Vector3()), radius = box.getSize(new Vector3()).length() / 2;
+    const middle = box.getCenter(new Vector3()), radius = (far * box.getSize(new Vector3()).length()) / 2;
     // Across the mean plane of the bend: there the shape is seen unshortened.
     const bend = moments.reduce((sum, { shaft }) => sum.add(new Vector3().fromArray(shaft, shaft.length - 3)), new Vector3()).setZ(0);
     const across = bend.lengthSq() > 1e-6 ? new Vector3(-bend.y, bend.x, 0).normalize() : new Vector3(1, 0, 0);
@@ -149,29 +113,5 @@ export function createShapeView(parent, { scale }) {
   const forget = onThemeChange(paint);
   paint();
   resize();
-  return { show, frame, goHome, destroy() { resized.disconnect(); forget(); controls.dispose(); renderer.dispose(); } };
-}
-
-function clear(group) {
-  group.traverse((thing) => {
-    thing.geometry?.dispose();
-    for (const material of [thing.material].flat()) material?.dispose();
-  });
-  group.clear();
-}
-
-function stick(from, direction, length, radius, material) {
-  const made = new Mesh(new CylinderGeometry(radius, radius, length, 12), material);
-  made.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), direction);
-  made.position.copy(from).addScaledVector(direction, length / 2);
-  return made;
-}
-
-function arrow(from, direction, length, material) {
-  const head = Math.min(5, 0.4 * length), made = new Group();
-  const cone = new Mesh(new ConeGeometry(0.42 * head, head, 20), material);
-  cone.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), direction);
-  cone.position.copy(from).addScaledVector(direction, length - head / 2);
-  made.add(stick(from, direction, length - head, 0.55, material), cone);
-  return made;
+  return { show, frame, goHome, destroy() { resized.disconnect(); forget(); controls.dispose(); renderer.dispose(); renderer.domElement.remove(); } };
 }

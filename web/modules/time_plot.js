@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Curves with bands over time: zoom, pan, marked stretches and a moment that is shared with other views.
 import uPlot from 'uplot';
+import { SECONDS, axisInk } from './plot_style.js';
 import { colour, faded, onThemeChange } from './theme.js';
 import { minutes } from './units.js';
 
@@ -50,7 +51,7 @@ export function createTimePlot(parent, plain, events = {}) {
     events.onRange?.(...range);
   };
   const axes = () => {
-    const ink = { stroke: colour('--ink-soft'), grid: { stroke: colour('--grid'), width: 1 }, ticks: { stroke: colour('--grid') }, font: '12px system-ui, sans-serif', labelFont: '12px system-ui, sans-serif' };
+    const ink = axisInk();
     const seconds = (u, marks) => marks.map((mark) => (u.scales.x.max > 120 ? minutes(mark, marks[1] - marks[0] < 1 ? 2 : 0) : String(Number(mark.toFixed(6)))));
     return [
       { ...ink, values: seconds, incrs: SECONDS, label: state.x_label, labelSize: 18, size: 34, labelGap: -4 },
@@ -162,8 +163,6 @@ export function createTimePlot(parent, plain, events = {}) {
     destroy() { resized.disconnect(); forget(); plot.destroy(); },
   };
 }
-
-const SECONDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200];
 
 const columns = ({ time_s, curves }) => [
   time_s,

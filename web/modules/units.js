@@ -34,3 +34,11 @@ export function clock(time_s, digits = 1) {
   if (!Number.isFinite(time_s)) return '–';
   return Math.abs(time_s) < 60 ? `${fixed(time_s, digits)} s` : minutes(time_s, digits);
 }
+
+/** Time of day, here, of a moment in seconds since 1970: 14:03:07 or, with digits, 14:03:07.25. */
+export function timeOfDay(time_s, digits = 0) {
+  if (!Number.isFinite(time_s)) return '–';
+  const date = new Date(1000 * time_s), two = (value) => String(value).padStart(2, '0');
+  const seconds = Math.floor((date.getSeconds() + date.getMilliseconds() / 1000) * 10 ** digits) / 10 ** digits;
+  return `${two(date.getHours())}:${two(date.getMinutes())}:${seconds.toFixed(digits).padStart(digits ? 3 + digits : 2, '0')}`;
+}
