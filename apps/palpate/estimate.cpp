@@ -12,6 +12,7 @@
 #include "estimate_input.hpp"
 #include "estimate_options.hpp"
 #include "estimate_report.hpp"
+#include "estimate_warnings.hpp"
 #include "file_paths.hpp"
 #include "reference_tare.hpp"
 #include "time_span.hpp"
@@ -20,18 +21,6 @@
 namespace palpate::app {
 
 namespace {
-
-/// What is estimated starts from the catheter file's value and sigma; the observer has a default for the sigma alone.
-void warn_of_states_without_sigma(CatheterFile& file) {
-  const auto warn = [&](std::string_view state, std::string_view key) {
-    file.warnings.push_back(
-        fmt::format("state {}: the catheter file states no {}, so a default is taken for it", state, key));
-  };
-  if (file.observer.estimate_stiffness && file.catheter.stiffness_sigma_fraction == 0.0)
-    warn("stiffness", "stiffness_sigma_percent");
-  if (file.observer.estimate_precurvature && file.catheter.precurvature_sigma_per_m.isZero(0.0))
-    warn("precurvature", "precurvature_sigma_per_m");
-}
 
 /// What a run writes frame by frame.
 class OutputFiles {
@@ -78,7 +67,7 @@ int run(const EstimateOptions& options) {
   CatheterFile file = read_catheter_file(options.catheter);
   apply_options(options, file);
   if (!options.tendon.empty()) file.catheter = driven_by_map(file.catheter);
-  warn_of_states_without_sigma(file);
+  warn_of_states_without_sigma(file, file.warnings);
   const TrackerRecording recording = load_recording(options, file, file.warnings);
   if (options.strict) refuse_passed_over_rows(recording);
 
@@ -95,10 +84,7 @@ int run(const EstimateOptions& options) {
   estimate_all(options, recording, observer, files, report);
   if (!options.plot.empty()) report.plot(options.plot, catheter.name);
   files.commit();
-  if (2 * report.frames_used() < recording.frames.size())
-    file.warnings.push_back(
-        fmt::format("{}: only {} of {} frames could be used: is it of this catheter, base and sensors?",
-                    recording.source, report.frames_used(), recording.frames.size()));
+  warn_of_few_used(recording, report.frames_used(), file.warnings);
   print_warnings(file.warnings);
   report.print(catheter, file.observer, options.out, options.json);
   return 0;

@@ -126,6 +126,8 @@ void attach_bend(const std::string& path, const Catheter& catheter, TrackerRecor
 void attach_tendon(const std::string& path, const Catheter& catheter, TrackerRecording& recording,
                    std::vector<std::string>& warnings) {
   if (path.empty()) {
+    const auto brings_moment = [](const TrackerFrame& frame) { return frame.tendon.present; };
+    if (std::any_of(recording.frames.begin(), recording.frames.end(), brings_moment)) return;
     if (catheter.tendon_map.present)
       warnings.emplace_back(
           "tendon_map: the catheter file has one, but no --tendon was given: precurvature_per_m is taken instead");
@@ -172,7 +174,11 @@ std::vector<TrackerRecording> read_sources(const EstimateOptions& options, const
 
 TrackerRecording load_recording(const EstimateOptions& options, const CatheterFile& file,
                                 std::vector<std::string>& warnings) {
-  std::vector<TrackerRecording> sources = read_sources(options, file);
+  return prepare_recording(read_sources(options, file), options, file, warnings);
+}
+
+TrackerRecording prepare_recording(std::vector<TrackerRecording> sources, const EstimateOptions& options,
+                                   const CatheterFile& file, std::vector<std::string>& warnings) {
   std::vector<std::string> remarks;
   for (TrackerRecording& source : sources) {
     for (const std::string& note : source.notes) warnings.push_back(fmt::format("{}: {}", source.source, note));

@@ -13,6 +13,9 @@ namespace palpate::app {
 /// should know. Throws InputError.
 TrackerRecording load_recording(const EstimateOptions& options, const CatheterFile& file,
                                 std::vector<std::string>& warnings);
+/// The same of recordings that were read already.
+TrackerRecording prepare_recording(std::vector<TrackerRecording> sources, const EstimateOptions& options,
+                                   const CatheterFile& file, std::vector<std::string>& warnings);
 
 /// --strict: throws InputError on rows of the recording that are passed over,
 void refuse_passed_over_rows(const TrackerRecording& recording);

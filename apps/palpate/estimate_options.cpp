@@ -52,6 +52,14 @@ std::string_view name_in(const Names& known, Enum value) {
   return "";
 }
 
+/// All names, as the type of a value: completion proposes them.
+template <class Names>
+std::string words_of(const Names& known) {
+  std::string words;
+  for (const auto& named : known) words.append(words.empty() ? "" : "|").append(named.first);
+  return words;
+}
+
 }  // namespace
 
 std::string_view name_of(Method method) { return name_in(kMethods, method); }
@@ -108,32 +116,38 @@ void add_estimate_options(CLI::App& verb, EstimateOptions& options) {
   verb.add_option("recording", options.recordings,
                   "tracker CSV, PLUS .igs.mha, NDI CSV, marker CSV, or MR coil text (a file or its folder); several, "
                   "each with its own sensors, are merged by time")
+      ->type_name("FILE")
       ->required();
-  verb.add_option("--catheter", options.catheter, "catheter file (TOML)")->required();
-  verb.add_option("--out", options.out, "estimate CSV to write")->required();
+  verb.add_option("--catheter", options.catheter, "catheter file (TOML)")->type_name("FILE")->required();
+  verb.add_option("--out", options.out, "estimate CSV to write")->type_name("FILE")->required();
   verb.add_option("--tendon", options.tendon,
-                  "tendon CSV: moment or tension over time; with [tendon_map] where the handle stands");
-  verb.add_option("--method", options.method, "ekf, iekf, iaekf or ukf, instead of the catheter file's");
-  verb.add_option("--measurement", options.measurement, "poses or tip_and_curvature, instead of the catheter file's");
-  verb.add_option("--force-model", options.force_model,
-                  "random_walk, constant_velocity, gauss_markov or rhythm, instead of the catheter file's");
+                  "tendon CSV: moment or tension over time; with [tendon_map] where the handle stands")
+      ->type_name("FILE");
+  verb.add_option("--method", options.method, "the filter, instead of the catheter file's")
+      ->type_name(words_of(kMethods));
+  verb.add_option("--measurement", options.measurement, "what is compared with the rod, instead of the catheter file's")
+      ->type_name(words_of(kMeasurements));
+  verb.add_option("--force-model", options.force_model, "how the force moves, instead of the catheter file's")
+      ->type_name(words_of(kForceModels));
   verb.add_option(
-      "--state", options.state,
-      "what is estimated: force, or force with stiffness (EI1, EI2), precurvature (k1,0, k2,0), or both, as in "
-      "force,stiffness; instead of the catheter file's");
+          "--state", options.state,
+          "what is estimated: force, or force with stiffness (EI1, EI2), precurvature (k1,0, k2,0), or both, as in "
+          "force,stiffness; instead of the catheter file's")
+      ->type_name("LIST");
   verb.add_flag("--no-consider", options.no_consider,
                 "the catheter file's sigmas are left out: the force's sigma is of noise alone");
-  verb.add_option("--reference", options.reference,
-                  "FROM:TO in seconds without tip force: corrects base and precurvature");
-  verb.add_option("--average", options.average,
-                  "FROM:TO in seconds of a load at rest: adds its mean force to the summary");
+  verb.add_option("--reference", options.reference, "seconds without tip force: corrects base and precurvature")
+      ->type_name("FROM:TO");
+  verb.add_option("--average", options.average, "seconds of a load at rest: adds its mean force to the summary")
+      ->type_name("FROM:TO");
   verb.add_option("--budget", options.budget,
-                  "CSV to write: what the sigma of each frame is made of, and what it cannot tell");
-  verb.add_option("--plot", options.plot, "draw force and 95 % band over time (.svg or .png)");
+                  "CSV to write: what the sigma of each frame is made of, and what it cannot tell")
+      ->type_name("FILE");
+  verb.add_option("--plot", options.plot, "draw force and 95 % band over time (.svg or .png)")->type_name("FILE");
   verb.add_flag("--smooth", options.smooth,
                 "use later frames as well: the force of each frame in the light of the whole recording");
-  verb.add_option("--forecast", options.forecast_s,
-                  "SECONDS: adds columns with the force this far ahead, and its sigma");
+  verb.add_option("--forecast", options.forecast_s, "adds columns with the force this far ahead, and its sigma")
+      ->type_name("SECONDS");
   verb.add_flag("--strict", options.strict, "make every reading that would be passed over an error");
   verb.add_flag("--json", options.json, "print the summary as JSON");
   verb.footer(

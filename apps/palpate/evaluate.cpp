@@ -100,10 +100,16 @@ int run(const Options& options) {
 void add_evaluate(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("evaluate", "Hold an estimate against a force sensor's trace");
-  verb->add_option("--estimate", options->estimate, "estimate CSV, from palpate estimate")->required();
-  verb->add_option("--truth", options->truth, "force CSV of a force sensor or a simulation")->required();
-  CLI::Option* bounds = verb->add_option("--bounds", options->bounds, "JSON with Cramer-Rao bounds: adds RMSE / bound");
-  CLI::Option* recording = verb->add_option("--recording", options->recording, "name of the recording in --bounds");
+  verb->add_option("--estimate", options->estimate, "estimate CSV, from palpate estimate")
+      ->type_name("FILE")
+      ->required();
+  verb->add_option("--truth", options->truth, "force CSV of a force sensor or a simulation")
+      ->type_name("FILE")
+      ->required();
+  CLI::Option* bounds = verb->add_option("--bounds", options->bounds, "JSON with Cramer-Rao bounds: adds RMSE / bound")
+                            ->type_name("FILE");
+  CLI::Option* recording =
+      verb->add_option("--recording", options->recording, "name of the recording in --bounds")->type_name("NAME");
   bounds->needs(recording);
   recording->needs(bounds);
   verb->add_flag("--json", options->json, "print the figures as JSON");

@@ -56,10 +56,12 @@ int run(const Options& options) {
 void add_export(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("export", "Write a recorded session as CSV, PLUS sequence or HDF5");
-  verb->add_option("session", options->session, "session, from palpate record or serve")->required();
-  verb->add_option("--out", options->out, "what the names of the files begin with")->required();
-  verb->add_option("--format", options->format, "csv, igs.mha (PLUS, 3D Slicer) or hdf5")->capture_default_str();
-  verb->add_option("--catheter", options->catheter, "one catheter of several, by its name");
+  verb->add_option("session", options->session, "session, from palpate record or serve")->type_name("FILE")->required();
+  verb->add_option("--out", options->out, "what the names of the files begin with")->type_name("PATH")->required();
+  verb->add_option("--format", options->format, "igs.mha is for PLUS and 3D Slicer")
+      ->type_name("csv|igs.mha|hdf5")
+      ->capture_default_str();
+  verb->add_option("--catheter", options->catheter, "one catheter of several, by its name")->type_name("NAME");
   verb->add_flag("--json", options->json, "print what was written as JSON");
   verb->footer("Example: palpate export run.palpate --out run --format csv");
   verb->callback([options, verb, &exit_code] {

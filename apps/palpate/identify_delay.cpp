@@ -153,17 +153,21 @@ void add_identify_delay(CLI::App& identify, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = identify.add_subcommand(
       "delay", "Time offset between a tracker, by the force it feels, and a force sensor's trace");
-  verb->add_option("recording", options->recordings, "of any format that palpate estimate reads, one or several");
-  CLI::Option* catheter = verb->add_option("--catheter", options->catheter, "catheter file (TOML)");
-  verb->add_option("--estimate", options->estimate, "estimate CSV instead of a recording; its filter's lag counts");
-  verb->add_option("--truth", options->truth, "force CSV of the force sensor")->required();
-  verb->add_option("--tendon", options->tendon, "tendon CSV of the recording");
+  verb->add_option("recording", options->recordings, "of any format that palpate estimate reads, one or several")
+      ->type_name("FILE");
+  CLI::Option* catheter = verb->add_option("--catheter", options->catheter, "catheter file (TOML)")->type_name("FILE");
+  verb->add_option("--estimate", options->estimate, "estimate CSV instead of a recording; its filter's lag counts")
+      ->type_name("FILE");
+  verb->add_option("--truth", options->truth, "force CSV of the force sensor")->type_name("FILE")->required();
+  verb->add_option("--tendon", options->tendon, "tendon CSV of the recording")->type_name("FILE");
   verb->add_option("--out", options->out, "catheter file to write, the delay found added to its delay_s")
+      ->type_name("FILE")
       ->needs(catheter);
-  verb->add_option("--max-delay", options->max_delay_s, "SECONDS: the delay is sought within +- this")
+  verb->add_option("--max-delay", options->max_delay_s, "the delay is sought within +- this")
+      ->type_name("SECONDS")
       ->capture_default_str();
   verb->add_flag("--fixed-gain", options->fixed_gain, "both forces are of one scale");
-  verb->add_option("--plot", options->plot, "draw both forces over each other (.svg or .png)");
+  verb->add_option("--plot", options->plot, "draw both forces over each other (.svg or .png)")->type_name("FILE");
   verb->add_flag("--json", options->json, "print the figures as JSON");
   verb->footer(
       "Example: palpate identify delay --catheter catheter.toml run.tracker.csv --truth run.force.csv "

@@ -170,13 +170,19 @@ void add_identify_noise(CLI::App& identify, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = identify.add_subcommand(
       "noise", "What the sensors' noise is, from a recording at rest or of smooth motion: precision, not accuracy");
-  verb->add_option("recording", options->recording, "of any format that palpate estimate reads")->required();
-  CLI::Option* catheter = verb->add_option("--catheter", options->catheter, "catheter file (TOML) to start from");
-  verb->add_option("--out", options->out, "catheter file to write, with the noise found")->needs(catheter);
-  verb->add_option("--interval", options->interval, "FROM:TO in seconds: the part to use");
+  verb->add_option("recording", options->recording, "of any format that palpate estimate reads")
+      ->type_name("FILE")
+      ->required();
+  CLI::Option* catheter =
+      verb->add_option("--catheter", options->catheter, "catheter file (TOML) to start from")->type_name("FILE");
+  verb->add_option("--out", options->out, "catheter file to write, with the noise found")
+      ->type_name("FILE")
+      ->needs(catheter);
+  verb->add_option("--interval", options->interval, "seconds: the part to use")->type_name("FROM:TO");
   verb->add_flag("--moving", options->moving,
                  "the sensors move smoothly: noise from what a Kalman filter cannot predict");
-  verb->add_option("--plot", options->plot, "draw deviations and Allan deviation, or innovations (.svg or .png)");
+  verb->add_option("--plot", options->plot, "draw deviations and Allan deviation, or innovations (.svg or .png)")
+      ->type_name("FILE");
   verb->add_flag("--json", options->json, "print the figures as JSON");
   verb->footer(
       "Example: palpate identify noise rest.tracker.csv\n"

@@ -226,11 +226,14 @@ int run(const Options& options) {
 void add_options(CLI::App& verb, Options& options) {
   verb.add_option("data", options.data,
                   "points of the unloaded shaft (CSV: arc_length_mm and two or three of x_mm,y_mm,z_mm), or a "
-                  "recording of its sensors");
-  verb.add_option("--catheter", options.catheter, "catheter file (TOML)")->required();
-  verb.add_option("--out", options.out, "catheter file to write, with what was identified")->required();
-  verb.add_option("--interval", options.interval,
-                  "FROM:TO in seconds of the recording, shaft unloaded; else all of it");
+                  "recording of its sensors")
+      ->type_name("FILE");
+  verb.add_option("--catheter", options.catheter, "catheter file (TOML)")->type_name("FILE")->required();
+  verb.add_option("--out", options.out, "catheter file to write, with what was identified")
+      ->type_name("FILE")
+      ->required();
+  verb.add_option("--interval", options.interval, "seconds of the recording, shaft unloaded; else all of it")
+      ->type_name("FROM:TO");
   verb.add_option("--sigma-mm", options.sigma_mm,
                   "noise of the points, one standard deviation; else the residuals tell");
   auto* free = verb.add_flag("--free-clamp", options.free_clamp, "the clamp may stand anywhere: it is found as well");
@@ -238,12 +241,17 @@ void add_options(CLI::App& verb, Options& options) {
                 "points: the clamp is off by what [base] states (always so with a recording)")
       ->excludes(free);
   verb.add_option("--map", options.map,
-                  "identify a tendon map: CSV with knob_rad, displacement_mm or tension_N, k1_per_m, ...");
+                  "identify a tendon map: CSV with knob_rad, displacement_mm or tension_N, k1_per_m, ...")
+      ->type_name("FILE");
   verb.add_option("--tendon", options.tendon,
-                  "identify a tendon map: tendon CSV beside the recording; one arc for each rest of the handle");
-  verb.add_option("--input", options.input, "what the map goes by: knob_rad, displacement_mm or tension_N");
-  verb.add_option("--rest", options.rest_s, "SECONDS that the handle stands still, at least")->capture_default_str();
-  verb.add_option("--plot", options.plot, "draw points against the fit, and what is left (.svg or .png)");
+                  "identify a tendon map: tendon CSV beside the recording; one arc for each rest of the handle")
+      ->type_name("FILE");
+  verb.add_option("--input", options.input, "what the map goes by")->type_name("knob_rad|displacement_mm|tension_N");
+  verb.add_option("--rest", options.rest_s, "that the handle stands still, at least")
+      ->type_name("SECONDS")
+      ->capture_default_str();
+  verb.add_option("--plot", options.plot, "draw points against the fit, and what is left (.svg or .png)")
+      ->type_name("FILE");
   verb.add_flag("--json", options.json, "print the summary as JSON");
   verb.footer(
       "Example: palpate identify precurvature --catheter c.toml points.csv --sigma-mm 0.28 --out bent.toml --plot "

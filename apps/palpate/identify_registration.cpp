@@ -151,10 +151,16 @@ void add_identify_registration(CLI::App& identify, int& exit_code) {
       "registration", "Base pose and sensor mounting from the unloaded shaft at several knob positions");
   verb->add_option("recording", options->recordings,
                    "recordings of the unloaded shaft at rest, one a knob position; or a single one with --interval")
+      ->type_name("FILE")
       ->required();
-  verb->add_option("--catheter", options->catheter, "catheter file (TOML); its base may be anything")->required();
-  verb->add_option("--out", options->out, "catheter file to write: the same with the base found")->required();
-  verb->add_option("--interval", options->intervals, "FROM:TO in seconds, the shaft at rest; repeat for each position")
+  verb->add_option("--catheter", options->catheter, "catheter file (TOML); its base may be anything")
+      ->type_name("FILE")
+      ->required();
+  verb->add_option("--out", options->out, "catheter file to write: the same with the base found")
+      ->type_name("FILE")
+      ->required();
+  verb->add_option("--interval", options->intervals, "seconds, the shaft at rest; repeat for each position")
+      ->type_name("FROM:TO")
       ->allow_extra_args(false);
   verb->add_flag("--mounting", options->mounting, "the mounting of the sensors is unknown, too");
   verb->add_option(
@@ -164,7 +170,7 @@ void add_identify_registration(CLI::App& identify, int& exit_code) {
   verb->add_option("--mount-sigma-deg", options->mount_sigma_deg,
                    "with --mounting: how far a sensor may be turned against its stated mounting")
       ->capture_default_str();
-  verb->add_option("--plot", options->plot, "draw fitted shafts and residuals (.svg or .png)");
+  verb->add_option("--plot", options->plot, "draw fitted shafts and residuals (.svg or .png)")->type_name("FILE");
   verb->add_flag("--json", options->json, "print the summary as JSON");
   verb->footer(
       "Example: palpate identify registration --catheter catheter.toml knob1.csv knob2.csv knob3.csv --out "

@@ -148,14 +148,23 @@ int run(const StiffnessCommand& command) {
 void add_identify_stiffness(CLI::App& identify, int& exit_code) {
   auto command = std::make_shared<StiffnessCommand>();
   CLI::App* verb = identify.add_subcommand("stiffness", "Stiffness from the shape under known loads");
-  verb->add_option("--catheter", command->catheter, "Catheter file to start from (TOML)")->required();
-  verb->add_option("--cases", command->cases, "Load cases: known loads and where the shaft was (TOML)")->required();
-  verb->add_option("--out", command->out, "The catheter file with the stiffness found (TOML)")->required();
-  verb->add_option("--unknowns", command->unknowns, "bending (EI1, EI2), scale (one factor for all), bending,torsion");
-  verb->add_option("--poisson", command->poisson_ratio, "GJ = (EI1 + EI2) / (2 (1 + NU)), with --unknowns bending");
+  verb->add_option("--catheter", command->catheter, "Catheter file to start from (TOML)")
+      ->type_name("FILE")
+      ->required();
+  verb->add_option("--cases", command->cases, "Load cases: known loads and where the shaft was (TOML)")
+      ->type_name("FILE")
+      ->required();
+  verb->add_option("--out", command->out, "The catheter file with the stiffness found (TOML)")
+      ->type_name("FILE")
+      ->required();
+  verb->add_option("--unknowns", command->unknowns, "bending: EI1 and EI2; scale: one factor for all")
+      ->type_name("bending|scale|bending,torsion");
+  verb->add_option("--poisson", command->poisson_ratio, "GJ = (EI1 + EI2) / (2 (1 + NU)), with --unknowns bending")
+      ->type_name("NU");
   verb->add_flag("--free-shear", command->free_shear, "The shear stiffness is unknown, too");
-  verb->add_option("--method", command->method, "lm (Levenberg-Marquardt) or nelder-mead (the paper's)");
-  verb->add_option("--plot", command->plot, "Points, fitted shapes and residuals (.svg or .png)");
+  verb->add_option("--method", command->method, "lm: Levenberg-Marquardt; nelder-mead: the paper's")
+      ->type_name("lm|nelder-mead");
+  verb->add_option("--plot", command->plot, "Points, fitted shapes and residuals (.svg or .png)")->type_name("FILE");
   verb->add_flag("--json", command->json, "Summary for a program");
   verb->footer(
       "Example: palpate identify stiffness --catheter catheter.toml --cases cases.toml --out identified.toml\n"

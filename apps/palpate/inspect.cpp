@@ -112,7 +112,7 @@ int run(const Options& options) {
 void add_inspect(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("inspect", "What is in a recorded session, and whether it is whole");
-  verb->add_option("session", options->session, "session, from palpate record or serve")->required();
+  verb->add_option("session", options->session, "session, from palpate record or serve")->type_name("FILE")->required();
   verb->add_flag("--full", options->full, "check every index against its table as well");
   verb->add_flag("--json", options->json, "print it as JSON");
   verb->footer("Exit code 0: whole, 1: damaged, 2: no session.\nExample: palpate inspect run.palpate");

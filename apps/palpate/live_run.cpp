@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <palpate/math/units.hpp>
 #include <palpate/service/board.hpp>
 #include <palpate/service/service.hpp>
+#include <web/assets.hpp>
 
 #include "file_paths.hpp"
 #include "progress_line.hpp"
@@ -40,7 +42,9 @@ std::string force_line(const json& catheter) {
 void say_where(const service::Service& service, const service::Settings& settings, const LiveOptions& options) {
   if (options.json) {
     fmt::print("{}\n", json{{"openigtlink_port", service.link_port()},
-                            {"control_port", service.control_port()},
+                            {"dashboard_port", service.dashboard_port()},
+                            {"dashboard_url", service.dashboard_address()},
+                            {"token", service.token()},
                             {"recording", settings.recording.path.string()}}
                            .dump());
   } else {
@@ -48,9 +52,9 @@ void say_where(const service::Service& service, const service::Settings& setting
     if (settings.link.on)
       fmt::print("OpenIGTLink  {}:{}   (3D Slicer: OpenIGTLinkIF, client)\n", settings.link.address,
                  service.link_port());
-    if (settings.control.on) fmt::print("control      http://127.0.0.1:{}/api/health\n", service.control_port());
     if (!settings.recording.path.empty()) fmt::print("recording    {}\n", settings.recording.path.string());
     fmt::print("Ctrl-C ends it.\n");
+    if (settings.dashboard.on) fmt::print("dashboard    {}\n", service.dashboard_address());
   }
   std::fflush(stdout);
 }
@@ -93,18 +97,33 @@ int summarise(const json& health, const LiveOptions& options) {
   return lost > 0 ? 1 : 0;
 }
 
+/// The page as it is asked for. The strings live as long as the program.
+std::vector<http::File> page_files() {
+  const web::DashboardAssets page = web::dashboard_page();
+  if (page.html.empty()) return {};
+  return {{"/", "text/html; charset=utf-8", page.html},
+          {"/dashboard.js", "text/javascript; charset=utf-8", page.script},
+          {"/dashboard.css", "text/css; charset=utf-8", page.style}};
+}
+
 }  // namespace
 
 int run_live(service::Settings settings, const LiveOptions& options) {
   std::signal(SIGPIPE, SIG_IGN);  // a peer that is gone is an error of its connection
   std::signal(SIGXFSZ, SIG_IGN);  // so is a file that may not grow of the recording
   settings.recording.options.program_version = PALPATE_VERSION;
+  settings.dashboard.server.files = page_files();
   service::Service service(settings);
   print_warnings(service.warnings());
   say_where(service, settings, options);
   {
     const ProgressLine line("serve");
-    service.run([&] { look(service, options, line); });
+    const auto start = std::chrono::steady_clock::now();
+    service.run([&] {
+      look(service, options, line);
+      const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+      if (options.for_s > 0.0 && passed.count() >= options.for_s) std::raise(SIGTERM);  // as if it were told to end
+    });
   }
   return summarise(service.finish(), options);
 }

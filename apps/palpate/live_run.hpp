@@ -6,6 +6,7 @@
 namespace palpate::app {
 
 struct LiveOptions {
+  double for_s = 0.0;  ///< ends by itself after so long; 0: never
   bool json = false;   ///< ports and the summary at the end as JSON, one line each
   bool print = false;  ///< the force of every catheter twice a second, a line each, whether or not on a terminal
 };

@@ -47,6 +47,8 @@ int main(int argc, char** argv) {
   palpate::app::add_serve(app, exit_code);
   palpate::app::add_simulate(app, exit_code);
   palpate::app::add_study(app, exit_code);
+  palpate::app::add_completion(app, exit_code);
+  palpate::app::add_man(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

@@ -22,7 +22,7 @@ int run(const Options& options) {
   settings.catheters.push_back(service::read_catheter("catheter", options.catheter));
   service::SourceSettings& source = settings.catheters.back().source = service::parse_source(options.source);
   if (options.fast) source.speed = 0.0;
-  settings.link.on = settings.control.on = false;
+  settings.link.on = settings.dashboard.on = false;
   settings.recording.path = options.out;
   if (options.full) settings.recording.options.durability = session::Durability::kFull;
   return run_live(std::move(settings), options.live);
@@ -35,9 +35,10 @@ void add_record(CLI::App& app, int& exit_code) {
   CLI::App* verb = app.add_subcommand("record", "Keep every frame of a source, with its estimate, in a session file");
   verb->add_option("source", options->source,
                    "HOST:PORT of an OpenIGTLink server, a recording, a scenario (.toml), or - for standard input")
+      ->type_name("SOURCE")
       ->required();
-  verb->add_option("--catheter", options->catheter, "catheter file (TOML)")->required();
-  verb->add_option("--out", options->out, "session file; must not exist")->required();
+  verb->add_option("--catheter", options->catheter, "catheter file (TOML)")->type_name("FILE")->required();
+  verb->add_option("--out", options->out, "session file; must not exist")->type_name("FILE")->required();
   verb->add_flag("--full", options->full, "a power cut takes nothing that was written either (synchronous FULL)");
   verb->add_flag("--fast", options->fast, "a recording or scenario as fast as it goes, not by the clock");
   verb->add_flag("--print", options->live.print, "print the forces twice a second, a line each");

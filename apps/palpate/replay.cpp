@@ -73,9 +73,9 @@ int run(const Options& options) {
 void add_replay(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("replay", "Estimate a recorded session again: identical to the last bit?");
-  verb->add_option("session", options->session, "session, from palpate record or serve")->required();
-  verb->add_option("--out", options->out, "estimate CSV of what comes out now, of one catheter");
-  verb->add_option("--catheter", options->catheter, "one catheter of several, by its name");
+  verb->add_option("session", options->session, "session, from palpate record or serve")->type_name("FILE")->required();
+  verb->add_option("--out", options->out, "estimate CSV of what comes out now, of one catheter")->type_name("FILE");
+  verb->add_option("--catheter", options->catheter, "one catheter of several, by its name")->type_name("NAME");
   verb->add_flag("--json", options->json, "print the verdict as JSON");
   verb->footer("Exit code 0: identical, 1: not.\nExample: palpate replay run.palpate --out again.estimate.csv");
   verb->callback([options, verb, &exit_code] {

@@ -125,19 +125,28 @@ void add_report(CLI::App& app, int& exit_code) {
       "report", "One HTML file to read in a browser: force, shape, contacts and health of a recording");
   verb->add_option("recording", options->recordings,
                    "recording, or several of one run, as for palpate estimate; or a session")
+      ->type_name("FILE")
       ->required();
-  verb->add_option("--catheter", options->catheter, "catheter file (TOML); a session brings its own");
-  verb->add_option("--name", options->name, "which catheter of a session that has several");
-  verb->add_option("--out", options->out, "HTML file to write")->required();
+  verb->add_option("--catheter", options->catheter, "catheter file (TOML); a session brings its own")
+      ->type_name("FILE");
+  verb->add_option("--name", options->name, "which catheter of a session that has several")->type_name("NAME");
+  verb->add_option("--out", options->out, "HTML file to write")->type_name("FILE")->required();
   verb->add_option("--estimate", options->estimate,
-                   "estimate CSV of this recording; without it the force is estimated here");
-  verb->add_option("--truth", options->truth, "force CSV of a force sensor, drawn beside the estimate");
-  verb->add_option("--tendon", options->tendon, "tendon CSV, as for palpate estimate");
-  verb->add_option("--reference", options->reference, "FROM:TO in seconds without tip force, as for palpate estimate");
-  verb->add_option("--bands", options->bands, "edges of the force bands in grams-force")->capture_default_str();
-  verb->add_option("--contact", options->contact_g, "grams-force from which on the tip counts as in contact")
+                   "estimate CSV of this recording; without it the force is estimated here")
+      ->type_name("FILE");
+  verb->add_option("--truth", options->truth, "force CSV of a force sensor, drawn beside the estimate")
+      ->type_name("FILE");
+  verb->add_option("--tendon", options->tendon, "tendon CSV, as for palpate estimate")->type_name("FILE");
+  verb->add_option("--reference", options->reference, "seconds without tip force, as for palpate estimate")
+      ->type_name("FROM:TO");
+  verb->add_option("--bands", options->bands, "edges of the force bands in grams-force")
+      ->type_name("LIST")
       ->capture_default_str();
-  verb->add_option("--title", options->title, "heading of the report; the recording's name where absent");
+  verb->add_option("--contact", options->contact_g, "grams-force from which on the tip counts as in contact")
+      ->type_name("GRAMS")
+      ->capture_default_str();
+  verb->add_option("--title", options->title, "heading of the report; the recording's name where absent")
+      ->type_name("WORDS");
   verb->add_flag("--json", options->json, "print the figures as JSON");
   verb->footer(
       "Example: palpate report run.tracker.csv --catheter catheter.toml --out run.html\n"

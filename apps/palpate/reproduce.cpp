@@ -96,7 +96,7 @@ void add_reproduce(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("reproduce", "The paper's tables and figures made again, theirs beside ours");
   verb->add_option("NAME", options->name, "what to reproduce, see below")->required();
-  verb->add_option("--out", options->out, "folder to write paper.md and its pictures (SVG) to");
+  verb->add_option("--out", options->out, "folder to write paper.md and its pictures (SVG) to")->type_name("FOLDER");
   verb->add_option("--workers", options->workers, "threads")->check(CLI::Range(1, 64))->capture_default_str();
   verb->add_flag("--json", options->json, "print tables and the figures' curves as JSON");
   verb->footer(help_footer());

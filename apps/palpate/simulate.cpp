@@ -170,18 +170,20 @@ void add_simulate(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand(
       "simulate", "A virtual experiment: a recording as a tracker would make it, and the true force beside it");
-  verb->add_option("scenario", options->scenario, "scenario file (TOML)")->required();
+  verb->add_option("scenario", options->scenario, "scenario file (TOML)")->type_name("FILE")->required();
   verb->add_option("--out", options->out,
-                   "NAME of what is written: NAME.tracker.csv, NAME.force.csv, NAME.catheter.toml, and where there is "
-                   "something to tell NAME.tendon.csv, NAME.stiffness.csv, NAME.events.csv")
+                   "PATH of what is written: PATH.tracker.csv, PATH.force.csv, PATH.catheter.toml, and where there is "
+                   "something to tell PATH.tendon.csv, PATH.stiffness.csv, PATH.events.csv")
+      ->type_name("PATH")
       ->required();
   verb->add_option("--seed", options->seed, "of all that is drawn, instead of the scenario's")->type_name("UINT");
-  verb->add_option("--duration", options->changes.duration_s, "seconds, instead of the scenario's");
-  verb->add_option("--rate", options->changes.rate_hz, "frames a second, instead of the scenario's");
+  verb->add_option("--duration", options->changes.duration_s, "seconds, instead of the scenario's")
+      ->type_name("SECONDS");
+  verb->add_option("--rate", options->changes.rate_hz, "frames a second, instead of the scenario's")->type_name("HZ");
   verb->add_flag("--noise-free", options->changes.noise_free, "tracker and tendon channel make no error at all");
   verb->add_flag("--stable-only", options->stable_only,
                  "refuse a load path that loses its stability, instead of snapping to another shape");
-  verb->add_option("--plot", options->plot, "draw the true force over time (.svg or .png)");
+  verb->add_option("--plot", options->plot, "draw the true force over time (.svg or .png)")->type_name("FILE");
   verb->add_flag("--json", options->json, "print the summary as JSON");
   verb->footer(
       "Example: palpate simulate examples/scenarios/beating_heart.toml --out run\n"

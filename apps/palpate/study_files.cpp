@@ -100,8 +100,8 @@ int run_report(const Options& options) {
 void add_export(CLI::App& study, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = study.add_subcommand("export", "The results as CSV, sorted: same results, same bytes");
-  verb->add_option("FILE", options->file, "results of palpate study")->required();
-  verb->add_option("--out", options->out, "CSV file; without it the table goes to standard output");
+  verb->add_option("FILE", options->file, "results of palpate study")->type_name("FILE")->required();
+  verb->add_option("--out", options->out, "CSV file; without it the table goes to standard output")->type_name("FILE");
   verb->add_flag("--json", options->json, "print rows and SHA-256 of the file as JSON");
   verb->footer("Example: palpate study export error.study --out error.csv");
   verb->callback([options, &exit_code] { exit_code = run_export(*options); });
@@ -110,8 +110,8 @@ void add_export(CLI::App& study, int& exit_code) {
 void add_merge(CLI::App& study, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = study.add_subcommand("merge", "Results of several jobs of one study, in one new file");
-  verb->add_option("FILES", options->files, "results of palpate study --shard i/n")->required();
-  verb->add_option("--out", options->out, "the new file")->required();
+  verb->add_option("FILES", options->files, "results of palpate study --shard i/n")->type_name("FILE")->required();
+  verb->add_option("--out", options->out, "the new file")->type_name("FILE")->required();
   verb->add_flag("--json", options->json, "print the summary as JSON");
   verb->footer("Example: palpate study merge part1.study part2.study --out all.study");
   verb->callback([options, &exit_code] { exit_code = run_merge(*options); });
@@ -120,8 +120,10 @@ void add_merge(CLI::App& study, int& exit_code) {
 void add_report(CLI::App& study, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = study.add_subcommand("report", "Every measure against every parameter: Markdown and pictures");
-  verb->add_option("FILE", options->file, "results of palpate study, complete or not")->required();
-  verb->add_option("--out", options->out, "Markdown file; the pictures stand beside it")->default_val("study.md");
+  verb->add_option("FILE", options->file, "results of palpate study, complete or not")->type_name("FILE")->required();
+  verb->add_option("--out", options->out, "Markdown file; the pictures stand beside it")
+      ->type_name("FILE")
+      ->default_val("study.md");
   verb->add_option("--pictures", options->pictures, "svg or png")
       ->check(CLI::IsMember({"svg", "png"}))
       ->capture_default_str();

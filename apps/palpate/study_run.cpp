@@ -123,10 +123,11 @@ std::vector<std::string> warnings_of(const study::CampaignSummary& summary) {
 }  // namespace
 
 void add_study_options(CLI::App& verb, StudyOptions& options) {
-  verb.add_option("STUDY", options.study, "study file (TOML)");
-  verb.add_option("--out", options.out, "file of the results (SQLite); one of this study is gone on with");
-  verb.add_option("--shard", options.shard,
-                  "i/n: only every n-th shard, the i-th of n jobs (from 0); merge joins them");
+  verb.add_option("STUDY", options.study, "study file (TOML)")->type_name("FILE");
+  verb.add_option("--out", options.out, "file of the results (SQLite); one of this study is gone on with")
+      ->type_name("FILE");
+  verb.add_option("--shard", options.shard, "only every N-th shard, the I-th of N jobs (from 0); merge joins them")
+      ->type_name("I/N");
   verb.add_flag("--json", options.json, "print the summary as JSON");
 }
 

@@ -12,6 +12,8 @@
 #include <string_view>
 #include <vector>
 
+#include "command_tree.hpp"
+
 namespace palpate::app {
 
 namespace {
@@ -22,9 +24,15 @@ bool contains(const std::vector<std::string_view>& names, std::string_view name)
 
 std::vector<std::string> command_names(const CLI::App& app) {
   std::vector<std::string> names;
-  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
+  for (const CLI::App* verb : app.get_subcommands([](const CLI::App* any) { return !is_hidden(*any); }))
     names.push_back(verb->get_name());
   return names;
+}
+
+/// Hidden ones, too; nullptr where there is none.
+const CLI::App* find_command(const CLI::App& app, std::string_view name) {
+  const auto found = app.get_subcommands([&](const CLI::App* any) { return any->get_name() == name; });
+  return found.empty() ? nullptr : found[0];
 }
 
 std::vector<std::string> option_names(const CLI::App& app) {
@@ -73,9 +81,8 @@ std::optional<std::string> explain_unknown_word(const CLI::App& app, const std::
   if (arguments.empty()) return fmt::format("expected one of the commands {}", fmt::join(commands, ", "));
   const std::string_view first = arguments[0];
   if (first.starts_with('-')) return explain_unknown_option(app, whose, arguments.first(1));
-  if (contains(commands, first))
-    return explain_unknown_word(*app.get_subcommand(std::string(first)), fmt::format("{} {}", whose, first),
-                                arguments.subspan(1));
+  if (const CLI::App* command = find_command(app, first))
+    return explain_unknown_word(*command, fmt::format("{} {}", whose, first), arguments.subspan(1));
   if (takes_a_file(app)) return explain_unknown_option(app, whose, arguments);
   return fmt::format("{}: expected one of the commands {}; did you mean {}?", printable(first),
                      fmt::join(commands, ", "), nearest_name(first, commands));

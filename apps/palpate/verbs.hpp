@@ -21,6 +21,10 @@ void add_serve(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_study(CLI::App& app, int& exit_code);
 
+/// Not shown by --help: what a package brings to shell and manual, made of the commands added before.
+void add_completion(CLI::App& app, int& exit_code);
+void add_man(CLI::App& app, int& exit_code);
+
 // palpate identify ...
 void add_identify_stiffness(CLI::App& identify, int& exit_code);
 void add_identify_precurvature(CLI::App& identify, int& exit_code);
