@@ -27,7 +27,7 @@ class ServeLoad : public Serve {
     write("serve.toml", text);
     return std::make_unique<ServeProcess>(
         path(""),
-        std::vector<std::string>{path("serve.toml").string(), "--openigtlink-port", "0", "--control-port", "0"});
+        std::vector<std::string>{path("serve.toml").string(), "--openigtlink-port", "0", "--dashboard-port", "0"});
   }
 };
 
@@ -110,8 +110,8 @@ TEST_F(ServeLoad, StarvedProcessor) {
 TEST_F(ServeLoad, MemoryStaysFlat) {
   const auto program = serve_files(1, 1000.0, 0.0);
   sleep_s(2.0);
+  const auto frames = program->catheter()["frames"].get<std::uint64_t>();  // the first request takes its buffers
   const double before_MB = program->memory_MB();
-  const auto frames = program->catheter()["frames"].get<std::uint64_t>();
   sleep_s(in_full() ? 600.0 : 3.0);
   const auto passed = program->catheter()["frames"].get<std::uint64_t>() - frames;
   RecordProperty("memory", fmt::format("{:.2f} -> {:.2f} MB in {} frames", before_MB, program->memory_MB(), passed));

@@ -137,7 +137,7 @@ TEST_F(ServePeers, AFloodOfConnections) {
   std::deque<RawClient> clients;
   for (std::size_t i = 0; i < most; ++i) {
     const bool at_control = i % 4 == 3;
-    clients.emplace_back(at_control ? program_->control_port() : program_->link_port());
+    clients.emplace_back(at_control ? program_->dashboard_port() : program_->link_port());
     const std::string drip = "G";
     if (at_control) clients.back().send(std::as_bytes(std::span(drip)));
     if (clients.size() > 150) clients.pop_front();  // of four descriptors each; the library knows 1024

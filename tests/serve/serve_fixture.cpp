@@ -25,7 +25,7 @@ port = )" + std::to_string(plus_.port()) +
 
 std::unique_ptr<ServeProcess> Serve::start(const std::string& more) const {
   return std::make_unique<ServeProcess>(
-      path(""), std::vector<std::string>{settings(more), "--openigtlink-port", "0", "--control-port", "0"});
+      path(""), std::vector<std::string>{settings(more), "--openigtlink-port", "0", "--dashboard-port", "0"});
 }
 
 std::unique_ptr<ServeProcess> Serve::serve(const std::string& more) {

@@ -33,9 +33,11 @@ std::string contents(const std::filesystem::path& file) {
   ::_exit(127);
 }
 
-std::string request(const std::string& method, const std::string& target, const std::string& body) {
-  return method + " " + target + " HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n" +
-         "Content-Type: application/json\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
+std::string request(const std::string& method, const std::string& target, const std::string& token,
+                    const std::string& body) {
+  return method + " " + target + " HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\nAuthorization: Bearer " + token +
+         "\r\n" + "Content-Type: application/json\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" +
+         body;
 }
 
 nlohmann::json answer(int port, const std::string& text) {
@@ -81,10 +83,12 @@ ServeProcess::~ServeProcess() {
   wait(10.0);
 }
 
-nlohmann::json ServeProcess::health() const { return answer(control_port(), request("GET", "/api/health", "")); }
+nlohmann::json ServeProcess::health() const {
+  return answer(dashboard_port(), request("GET", "/api/health", token(), ""));
+}
 
 nlohmann::json ServeProcess::post(const std::string& path, const nlohmann::json& body) const {
-  return answer(control_port(), request("POST", path, body.dump()));
+  return answer(dashboard_port(), request("POST", path, token(), body.dump()));
 }
 
 void ServeProcess::signal(int number) const {

@@ -20,7 +20,9 @@ class ServeProcess {
   ServeProcess& operator=(const ServeProcess&) = delete;
 
   int link_port() const { return ports_.at("openigtlink_port"); }
-  int control_port() const { return ports_.at("control_port"); }
+  int dashboard_port() const { return ports_.at("dashboard_port"); }
+  /// What every request to it must bring.
+  std::string token() const { return ports_.at("token"); }
   pid_t pid() const { return pid_; }
 
   /// GET /api/health; throws where no answer comes within five seconds.

@@ -24,7 +24,7 @@ class ServeSources : public Serve {
     const auto before = files();
     std::vector<std::string> all{"serve"};
     all.insert(all.end(), arguments.begin(), arguments.end());
-    for (const char* const port : {"--openigtlink-port", "--control-port"})
+    for (const char* const port : {"--openigtlink-port", "--dashboard-port"})
       if (std::find(all.begin(), all.end(), port) == all.end()) all.insert(all.end(), {port, "0"});
     const test::ProgramRun run = test::run_program(PALPATE_BINARY, all, path(""));
     EXPECT_EQ(run.exit_code, 2);
@@ -110,8 +110,24 @@ TEST_F(ServeSources, RecordingsThatCannotBe) {
 TEST_F(ServeSources, PortsInUse) {
   settings("[recording]\npath = \"s.palpate\"\n");
   const std::string taken = std::to_string(plus_.port());
-  expect_words(refusal({"serve.toml", "--control-port", taken}), {taken, "in use"});
+  expect_words(refusal({"serve.toml", "--dashboard-port", taken}), {taken, "in use"});
   expect_words(refusal({"serve.toml", "--openigtlink-port", taken}), {taken, "in use"});
+}
+
+TEST_F(ServeSources, DashboardsThatCannotBe) {
+  const auto with = [&](const std::string& line) {
+    settings("[recording]\npath = \"s.palpate\"\n[dashboard]\n" + line + "\n");
+    return refusal({"serve.toml"});
+  };
+  expect_words(with("address = \"0.0.0.0\""), {"address", "0.0.0.0", "TLS"});
+  expect_words(with("address = \"laboratory\""), {"laboratory"});
+  expect_words(with("certificate = \"c.toml\""), {"key"});
+  expect_words(with("certificate = \"absent.pem\"\nkey = \"absent.key\""),
+               {"certificate", "absent.pem", "No such file"});
+  expect_words(with("certificate = \"c.toml\"\nkey = \"c.toml\""), {"certificate", "c.toml", "PEM"});
+  expect_words(with("bands_g = [10, 5]"), {"serve.toml:5", "bands_g", "rising"});
+  expect_words(with("unit = \"kg\""), {"serve.toml:5", "unit", "kg"});
+  expect_words(with("adress = \"127.0.0.1\""), {"serve.toml:5", "adress", "address"});
 }
 
 }  // namespace
