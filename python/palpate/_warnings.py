@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the command line prints as `palpate: warning: ...`."""
+
+import warnings
+from collections.abc import Iterable
+
+
+class PalpateWarning(UserWarning):
+    """Something that a user should know about the input; the result stands."""
+
+
+def warn_all(messages: Iterable[str]) -> tuple[str, ...]:
+    """Warns of each, at the line of whoever called the public function."""
+    kept = tuple(messages)
+    for message in kept:
+        warnings.warn(message, PalpateWarning, stacklevel=3)
+    return kept
