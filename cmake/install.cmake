@@ -6,23 +6,32 @@ include(CMakePackageConfigHelpers)
 
 set(palpate_config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/palpate)
 
-install(TARGETS palpate EXPORT palpateTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+install(TARGETS palpate EXPORT palpateTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(TARGETS palpate_identification EXPORT palpateIdentificationTargets
-        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(TARGETS palpate_identification EXPORT palpateIdentificationTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+        COMPONENT development INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS palpate_batch EXPORT palpateBatchTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
-        INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+        COMPONENT development INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 if(TARGET palpate_cli)
-  install(TARGETS palpate_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(TARGETS palpate_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 endif()
 if(TARGET palpate_study_mpi)
-  install(TARGETS palpate_study_mpi RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(TARGETS palpate_study_mpi RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT mpi)
 endif()
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/palpate DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp"
-        PATTERN reproduction EXCLUDE PATTERN store EXCLUDE PATTERN study EXCLUDE)
-install(EXPORT palpateTargets NAMESPACE palpate:: DESTINATION ${palpate_config_dir})
-install(EXPORT palpateIdentificationTargets NAMESPACE palpate:: DESTINATION ${palpate_config_dir})
-install(EXPORT palpateBatchTargets NAMESPACE palpate:: DESTINATION ${palpate_config_dir})
+# The rooms of what is installed. What only these libraries' own sources include stays out: the rod's kernels and the
+# readers' parts, which want xsimd and toml++.
+foreach(room IN ITEMS batch estimation evaluation identification math observer plot recording rod sensing simulation)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/palpate/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpate
+          COMPONENT development FILES_MATCHING PATTERN "*.hpp"
+          REGEX "/(rod/(field|integration|lanes|march|march_columns|march_lanes|runge_kutta)|batch/(kernel|lane_kernel|plan))\\.hpp$" EXCLUDE
+          REGEX "/recording/(toml_table|catheter_(estimator|sensors|shaft|tendon_map)|scenario_(load|signals|tracker|truth))\\.hpp$" EXCLUDE)
+endforeach()
+foreach(export IN ITEMS palpateTargets palpateIdentificationTargets palpateBatchTargets)
+  install(EXPORT ${export} NAMESPACE palpate:: DESTINATION ${palpate_config_dir} COMPONENT development)
+endforeach()
+# A small project of a user's, to start from.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/tests/consumer DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libpalpate-dev/examples
+        COMPONENT development FILES_MATCHING PATTERN CMakeLists.txt PATTERN "*.cpp")
 
 # Whoever links a static library links what it links: one find_dependency for each imported target that the
 # exported one names. What is there only to build the library stands in $<BUILD_INTERFACE:...> and is not named.
@@ -46,4 +55,4 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/palpateConfig.cmake.in
                               ${PROJECT_BINARY_DIR}/palpateConfig.cmake INSTALL_DESTINATION ${palpate_config_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/palpateConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/palpateConfig.cmake ${PROJECT_BINARY_DIR}/palpateConfigVersion.cmake
-        DESTINATION ${palpate_config_dir})
+        DESTINATION ${palpate_config_dir} COMPONENT development)
