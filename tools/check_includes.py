@@ -25,8 +25,9 @@ ALLOWED = {
     "store": {"math"},
     "link": {"math"},
     "ndi": {"math", "sensing"},
+    "http": {"math"},
     "session": {"math", "rod", "sensing", "observer", "recording", "store"},
-    "service": {"math", "rod", "sensing", "observer", "identification", "simulation", "recording", "evaluation", "session", "link", "ndi"},
+    "service": {"math", "rod", "sensing", "observer", "identification", "simulation", "recording", "evaluation", "session", "link", "ndi", "http"},
     "study": {"math", "rod", "sensing", "estimation", "observer", "simulation", "recording", "evaluation", "store", "plot"},
 }
 OUTSIDE = ("apps", "tests", "examples", "benchmarks")  # may include any room; no room may include them

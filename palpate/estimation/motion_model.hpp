@@ -49,7 +49,7 @@ struct MotionStep {
 
 /// x- = A x+, P- = A P+ A^T + Q. The sensors see H x; the force of the tissue is C x, without the disturbance:
 ///
-///   random walk         level' = w,  <w w> = q^2                                                       (10)
+///   random walk         level' = w,  E(w w) = q^2                                                       (10)
 ///   constant velocity   level' = rate,  rate' = -rate / tau + w
 ///   Gauss-Markov        level' = -level / T + w, of spread force_sigma
 ///   rhythm              constant velocity, and pairs (u, v) turning at omega: u' = omega v - u / T, v' = -omega u - v
