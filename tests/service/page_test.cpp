@@ -28,10 +28,10 @@ class ServicePage : public ::testing::Test {
     views_[0].catheter = file.catheter;
     views_[0].live = live_.get();
     page_ = std::make_unique<Page>(settings_, views_, std::vector<const PlayedTruth*>{&truth_},
-                                   [this](http::ClientId, http::Message message) { take(std::move(message)); });
+                                   [this](http::ClientId, const http::Message& message) { take(message); });
   }
 
-  void take(http::Message message) {
+  void take(const http::Message& message) {
     if (!message.binary) {
       texts_.push_back(nlohmann::json::parse(*message.bytes));
       return;
@@ -106,6 +106,12 @@ TEST_F(ServicePage, ARowSaysWhatTheEstimateSays) {
   const Vector3d end(at("shaft_mm", tip), at("shaft_mm", tip + 1), at("shaft_mm", tip + 2));
   EXPECT_LT((end - vector_at("seen_mm")).norm(), 1.5);
   EXPECT_LT((end - vector_at("contact_mm")).norm(), 1e-9);
+  // The tip frame column by column: d3 goes on where the shaft ends, and turns the force into the clamp's frame.
+  const Vector3d before(at("shaft_mm", tip - 3), at("shaft_mm", tip - 2), at("shaft_mm", tip - 1));
+  Matrix3d R;
+  for (int i = 0; i < 9; ++i) R(i % 3, i / 3) = at("R_base_tip", static_cast<std::size_t>(i));
+  EXPECT_GT(R.col(2).dot((end - before).normalized()), 0.99);
+  EXPECT_LT((R * estimate.force_tip_N - vector_at("force_base_N")).norm(), 0.02 * estimate.force_tip_N.norm());
   EXPECT_TRUE(std::isnan(at("seen_mm", 6))) << "there are but two sensors";
   const Vector3d normal = *truth_.wall_normal_base;
   EXPECT_LT(std::abs(normal.dot(end - vector_at("wall_mm"))), 4.0);
