@@ -115,7 +115,7 @@ Health health_of(const CatheterView& view, std::int64_t now_ns) {
   if (state == LiveState::kWaiting) return {state, {"no frame has come yet"}};
   const CatheterCounters& counters = view.live->counters();
   if (state == LiveState::kStale) {
-    const double silent_s = seconds(now_ns - static_cast<std::int64_t>(counters.last_received_ns.get()));
+    const double silent_s = seconds(now_ns - static_cast<std::int64_t>(counters.measured_at_ns.get()));
     return {state, {fmt::format("no usable frame for {:.1f} s", silent_s)}};
   }
   Health out{state, {}};

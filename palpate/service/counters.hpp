@@ -33,7 +33,8 @@ struct CatheterCounters {
   Counter inconsistent;   ///< times that the consistency alarm rose
   Counter late_readings;  ///< came after their frame had been closed
   Counter queue_dropped;  ///< frames for which the observer's queue had no room
-  Counter is_stale, is_inconsistent, period_ns, stale_after_ns, last_received_ns, last_miss_ns;  ///< as they are now
+  Counter is_stale, is_inconsistent, period_ns, stale_after_ns, last_miss_ns;  ///< as they are now
+  Counter measured_at_ns;  ///< the latest usable frame, by the host's clock
 };
 
 /// How long something took: a histogram of 100 bins a decade, 1 us to 10 s, so that a percentile is known within 2.4 %.

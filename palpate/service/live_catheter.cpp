@@ -39,9 +39,12 @@ void LiveCatheter::take(const TrackerFrame& frame, std::int64_t received_ns, ses
 
 void LiveCatheter::judge_age(session::LiveRecord& out) {
   out.late_s = 0.0;
-  if (!lateness_ || !moves_the_clock(out.estimate.time)) return;
-  if (out.estimate.time == FrameTime::kResynchronised) lateness_->begin_anew();
-  out.late_s = lateness_->late_s(out.frame.time_s, kSecondsPerNanosecond * static_cast<double>(out.received_ns));
+  if (!moves_the_clock(out.estimate.time)) return;
+  if (lateness_) {
+    if (out.estimate.time == FrameTime::kResynchronised) lateness_->begin_anew();
+    out.late_s = lateness_->late_s(out.frame.time_s, kSecondsPerNanosecond * static_cast<double>(out.received_ns));
+  }
+  counters_.measured_at_ns.set(static_cast<std::uint64_t>(out.received_ns - nanoseconds(out.late_s)));
 }
 
 void LiveCatheter::count(const TrackerFrame& frame, const Estimate& estimate) {

@@ -81,7 +81,6 @@ bool ObserverLoop::take_frames() {
       counters.misses.add();
       counters.last_miss_ns.set(static_cast<std::uint64_t>(now_ns));
     }
-    counters.last_received_ns.set(static_cast<std::uint64_t>(record_.received_ns));
   }
   return any;
 }

@@ -77,8 +77,9 @@ TEST_F(ServeLoad, StoppedForHalfASecond) {
         return c["misses"] > before["misses"] || c["stale"] > before["stale"];
       },
       1.0);
-  EXPECT_TRUE(after["catheters"][0]["state"] == "DEGRADED" || after["catheters"][0]["stale"] > before["stale"])
-      << after["catheters"][0].dump();
+  const auto& stopped = after["catheters"][0];
+  EXPECT_NE(stopped["state"], "LIVE") << stopped.dump();
+  EXPECT_FALSE(stopped["words"].empty()) << stopped.dump();
   EXPECT_TRUE(screen->wait_for_live(5.0));
   const std::size_t sent = player.stop().size();
   EXPECT_TRUE(screen->wait_for(sent, 5.0));

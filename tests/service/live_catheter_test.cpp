@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <palpate/service/board.hpp>
 #include <palpate/service/live_catheter.hpp>
 #include <tests/observer/allocation_counter.hpp>
 #include <tests/service/demo_frames.hpp>
@@ -103,6 +104,15 @@ TEST(LiveCatheter, AFrameThatWaitedOnItsWayIsOld) {
   watched.now_ns += 500 * kMillisecond_ns;
   watched.play(40, 41);
   EXPECT_NEAR(watched.record.late_s, 0.5, 1e-3);
+
+  CatheterView view;
+  view.settings = &test::demo_catheter();
+  view.live = &watched.catheter;
+  ASSERT_TRUE(view.take(watched.record));
+  const Health health = health_of(view, watched.now_ns);
+  EXPECT_EQ(health.state, LiveState::kStale);
+  ASSERT_EQ(health.words.size(), 1u);
+  EXPECT_EQ(health.words[0], "no usable frame for 0.5 s");
 }
 
 TEST(LiveCatheter, AllocatesNothing) {
