@@ -17,9 +17,7 @@ void play(const char* path) {
     if (event.time_s < 4.0) std::printf("%6.2f s  %s\n", event.time_s, event.what.c_str());
   }
 
-  ObserverOptions options = file.believed.observer;
-  options.disturbance_rms_N = 0.5e-3;  // the scenario's blood flows past the shaft: no tissue, but felt
-  ForceObserver observer(file.believed.catheter, options);
+  ForceObserver observer(file.believed.catheter, file.believed.observer);
   std::vector<EstimateRow> rows;
   for (const TrackerFrame& frame : run.frames) rows.push_back(row_of(observer.update(frame)));
 

@@ -15,8 +15,7 @@ except palpate.InputError as error:
 for time_s, what in run.events:
     if time_s < 4.0:
         print(f"{time_s:6.2f} s  {what}")
-# The scenario's blood flows past the shaft: no tissue, but felt.
-estimates = palpate.estimate(run.recording, run.catheter, disturbance_rms_N=0.5e-3)
+estimates = palpate.estimate(run.recording, run.catheter)
 judged = palpate.evaluate(estimates, run.truth)
 print("{} frames, error {:.2f}, {:.2f}, {:.2f} mN rms, mean NEES {:.2f} (3 where the covariance is true)".format(
     judged.frames, *(1e3 * judged.rmse_N), judged.mean_nees))

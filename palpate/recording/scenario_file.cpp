@@ -28,7 +28,7 @@ constexpr SignalUnit kFactor = {{0.05, 20.0, "a factor of the stiffness, 0.05..2
 
 /// Beside the scenario, where the path is relative.
 std::filesystem::path find_catheter(const TomlTable& table, const std::filesystem::path& scenario) {
-  const std::filesystem::path path = scenario.parent_path() / table.text("catheter");
+  std::filesystem::path path = scenario.parent_path() / table.text("catheter");
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored))
     table.refuse("catheter", fmt::format("a catheter file; there is no file {}", path.string()));
@@ -46,11 +46,26 @@ void read_head(const TomlTable& table, const ScenarioChanges& changes, const std
   scenario.duration_s = changes.duration_s.value_or(scenario.duration_s);
 }
 
-/// The catheter file with what the tracker's sensors are in this scenario.
+void read_flow(const TomlTable& root, Flow& flow) {
+  const auto table = root.table("flow", {"rms_N", "memory_s"});
+  if (!table) return;
+  flow.rms_N = table->number("rms_N", kFlow_N);
+  flow.memory_s = table->number("memory_s", kMemory_s, flow.memory_s);
+}
+
+/// Whoever steers in flowing blood knows that it flows: without it the filter would take the flow for tissue.
+void put_flow(const Flow& flow, TomlEdit& edit) {
+  if (flow.rms_N == 0.0 || edit.has("estimator", 0, "disturbance_rms_N")) return;
+  edit.set("estimator", "disturbance_rms_N", toml_number(flow.rms_N));
+  edit.set("estimator", "disturbance_memory_s", toml_number(std::max(flow.memory_s, 1e-3)));
+}
+
+/// The catheter file with what the tracker's sensors are in this scenario, and how its liquid flows.
 void read_believed(const std::filesystem::path& path, const ScenarioTracker& tracker, ScenarioFile& file) {
   file.believed = read_catheter_file(path);
   TomlEdit edit(path);
   put_sensors(tracker, file.believed.catheter, edit);
+  put_flow(file.scenario.flow, edit);
   edit.add_heading(
       fmt::format("What is believed of the catheter of the virtual experiment \"{}\".", printable(file.scenario.name)));
   file.believed = parse_catheter({.name = path.string(), .lines = edit.lines()});
@@ -78,13 +93,6 @@ void read_handle(const TomlTable& root, Scenario& scenario) {
   if (table->has("knob_rad") && !has_knob(handle)) handle.knob_rad.points = {{0.0, 0.0}};
   handle.twist_rad = read_signal(*table, "twist_deg", kTwist, {});
   handle.translation_m = read_signal(*table, "translation_mm", kTranslation, {});
-}
-
-void read_flow(const TomlTable& root, Flow& flow) {
-  const auto table = root.table("flow", {"rms_N", "memory_s"});
-  if (!table) return;
-  flow.rms_N = table->number("rms_N", kFlow_N);
-  flow.memory_s = table->number("memory_s", kMemory_s, flow.memory_s);
 }
 
 /// The sum of its parts may leave the range that each keeps.
@@ -118,6 +126,7 @@ ScenarioFile read_root(const TomlTable& root, const std::filesystem::path& path,
   Scenario& scenario = file.scenario;
   read_head(*head, changes, path.stem().string(), scenario);
   const ScenarioTracker tracker = read_tracker(root);
+  read_flow(root, scenario.flow);
   file.catheter_path = find_catheter(*head, path);
   read_believed(file.catheter_path, tracker, file);
   bool drawn = false;
@@ -126,7 +135,6 @@ ScenarioFile read_root(const TomlTable& root, const std::filesystem::path& path,
   scenario.tracker.rate_hz = changes.rate_hz.value_or(scenario.tracker.rate_hz);
   if (drawn && !tracker.bias_given) draw_bias(file.believed.catheter, scenario.tracker);
   read_handle(root, scenario);
-  read_flow(root, scenario.flow);
   read_stiffness(root, scenario);
   if (tracker.noise_free || changes.noise_free) silence(scenario);
   read_load(root, scenario);

@@ -14,7 +14,7 @@ namespace palpate {
 struct ScenarioFile {
   Scenario scenario;
   std::filesystem::path catheter_path;
-  CatheterFile believed;      ///< the catheter file, with the noise and the kind of sensor that the scenario states
+  CatheterFile believed;      ///< the catheter file, with the noise, kind of sensor and flow that the scenario states
   std::string believed_text;  ///< the same as TOML: what `palpate estimate --catheter` reads
 };
 

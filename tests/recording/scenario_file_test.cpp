@@ -42,6 +42,14 @@ kind = "position"
 arc_length_mm = 40.0
 )";
 
+/// A catheter file's text, read back.
+CatheterFile parse(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return parse_catheter({.name = "text", .lines = lines});
+}
+
 constexpr const char* kHead = "schema = 1\n[scenario]\ncatheter = \"c.toml\"\nduration_s = 2.0\nseed = 5\n";
 
 class ScenarioFileTest : public test::TemporaryFolder {
@@ -102,15 +110,7 @@ TEST_F(ScenarioFileTest, TheTrackerIsReadAndTheOperatorKnowsItsSensors) {
   EXPECT_DOUBLE_EQ(e.missing_share, 0.04);
   EXPECT_DOUBLE_EQ(e.outlier_m, 0.03);
   EXPECT_DOUBLE_EQ(file.scenario.flow.rms_N, 0.01);
-  const Catheter again = parse_catheter({.name = "again",
-                                         .lines =
-                                             [&] {
-                                               std::vector<std::string> lines;
-                                               std::istringstream text(file.believed_text);
-                                               for (std::string line; std::getline(text, line);) lines.push_back(line);
-                                               return lines;
-                                             }()})
-                             .catheter;
+  const Catheter again = parse(file.believed_text).catheter;
   for (const Catheter* c :
        std::initializer_list<const Catheter*>{&file.scenario.catheter, &file.believed.catheter, &again}) {
     EXPECT_EQ(c->sensors[0].kind, SensorKind::kPose5);
@@ -118,6 +118,19 @@ TEST_F(ScenarioFileTest, TheTrackerIsReadAndTheOperatorKnowsItsSensors) {
     EXPECT_TRUE(c->sensors[0].noise_m.isApprox(Vector3d::Constant(0.05e-3)));
     EXPECT_NEAR(c->sensors[0].noise_rad, 0.1 * kRadiansPerDegree, 1e-12);
   }
+}
+
+/// Who steers in flowing blood knows it, unless the catheter file says otherwise.
+TEST_F(ScenarioFileTest, TheFlowIsKnown) {
+  const std::string flow = "[flow]\nrms_N = 0.01\nmemory_s = 0.3\n";
+  const ScenarioFile file = read(flow);
+  for (const ObserverOptions& options : {file.believed.observer, parse(file.believed_text).observer}) {
+    EXPECT_DOUBLE_EQ(options.disturbance_rms_N, 0.01);
+    EXPECT_DOUBLE_EQ(options.disturbance_memory_s, 0.3);
+  }
+  EXPECT_EQ(read("").believed.observer.disturbance_rms_N, 0.0);
+  write("c.toml", kCatheter + std::string("[estimator]\ndisturbance_rms_N = 0.02\n"));
+  EXPECT_DOUBLE_EQ(read(flow).believed.observer.disturbance_rms_N, 0.02);
 }
 
 /// The truth differs from the file; the file does not change.
