@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <bit>
+#include <limits>
 #include <palpate/observer/force_observer.hpp>
 
 namespace palpate {
@@ -104,6 +105,9 @@ ForceObserver::ForceObserver(const Catheter& catheter, const ObserverOptions& op
       explainer_(catheter, options, parameters_),
       motion_(motion_filter(options, uncertainty_.prior())) {
   motion_.set_weak_force(uncertainty_.weak_force_N());
+  // Before the first frame that is used nothing was seen.
+  observability_.axial_force_hidden = observability_.lateral_force_hidden = true;
+  observability_.weakest_sigmas = std::numeric_limits<double>::infinity();
   R_base_tip_ = explainer_.R_base_tip(StateVector::Zero(explainer_.states()));
   if (options_.smoothing_lag_frames == 0) return;
   lag_.emplace(motion_.model(), options_.smoothing_lag_frames, uncertainty_.prior());

@@ -98,6 +98,20 @@ TEST_P(BadFrames, WithoutUsableSensorsTheMeanIsHeldAndTheCovarianceGrowsByTheRan
   EXPECT_LT((held.covariance_tip_N2 - grown).norm(), 1e-12);
 }
 
+/// Nothing has been seen, so nothing is observable; the first good frame says what is.
+TEST_P(BadFrames, BeforeTheFirstUsableFrameNothingIsObservable) {
+  ForceObserver observer(catheter_, options_);
+  TrackerFrame blind = recording_.frames[0];
+  for (SensorReading& r : blind.readings) r = SensorReading{};
+  const Observability nothing = observer.update(blind).observability;
+  EXPECT_FALSE(nothing.all_observable());
+  EXPECT_TRUE(nothing.axial_force_hidden && nothing.lateral_force_hidden);
+  EXPECT_EQ(nothing.weakest_sigmas, kInf);
+  const Observability seen = observer.update(recording_.frames[1]).observability;
+  EXPECT_FALSE(seen.lateral_force_hidden);
+  EXPECT_LT(seen.weakest_sigmas, 10.0);
+}
+
 TEST_P(BadFrames, ImpossibleTimesAreRejectedAndTheStateStaysBitForBit) {
   const double last_s = recording_.frames[kChanged - 1].time_s;
   const std::pair<FrameTime, double> times[] = {{FrameTime::kStandsStill, last_s},
