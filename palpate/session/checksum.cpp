@@ -96,4 +96,14 @@ std::int64_t checksum(const Estimate& estimate, std::int64_t id) {
   return sum.sum();
 }
 
+std::int64_t checksum(const SessionCatheter& catheter, std::int64_t id) {
+  Checksum sum;
+  sum.add(id);
+  sum.add(std::string_view(catheter.name));
+  sum.add(std::string_view(catheter.file));
+  sum.add(std::string_view(catheter.toml));
+  for (const std::string_view name : catheter.sensor_names) sum.add(name);
+  return sum.sum();
+}
+
 }  // namespace palpate::session

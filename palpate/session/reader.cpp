@@ -29,6 +29,19 @@ std::vector<SessionCatheter> read_catheters(const store::Database& database) {
   return catheters;
 }
 
+/// One line for each catheter that is not the one that was written. Without its sum it is taken as it is.
+std::vector<std::string> changed_catheters(const OpenSession& session, const std::vector<SessionCatheter>& catheters) {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < catheters.size(); ++i) {
+    const auto id = static_cast<std::int64_t>(i);
+    store::Statement row = session.database->prepare("SELECT value FROM session WHERE key = ?");
+    if (!row.bind(1, checksum_key(id)).step() || row.integer(0) == checksum(catheters[i], id)) continue;
+    lines.push_back(fmt::format("{}: catheter \"{}\": its file or its sensors' names are not what was written",
+                                session.path.string(), catheters[i].name));
+  }
+  return lines;
+}
+
 std::int64_t last_id(const store::Database& database, Table table) {
   try {
     return database.integer(fmt::format("SELECT max(id) FROM {}", table_name(table)));
@@ -52,6 +65,7 @@ struct SessionReader::Implementation {
     session.database->execute("BEGIN");  // one moment of a session that is being written
     try {
       catheters = read_catheters(*session.database);
+      for (std::string& line : changed_catheters(session, catheters)) session.damage.push_back(std::move(line));
     } catch (const InputError& error) {
       session.damage.push_back(fmt::format("{}: what the catheters are cannot be read", error.what()));
     }

@@ -172,6 +172,8 @@ const std::string& select_sql(Table table) {
   return all[static_cast<std::size_t>(table)];
 }
 
+std::string checksum_key(std::int64_t catheter_id) { return fmt::format("catheter_{}_checksum", catheter_id); }
+
 void write_head(const store::Database& database, const std::vector<SessionCatheter>& catheters,
                 const WriterOptions& options) {
   const auto keep = [&](std::string_view key, auto value) {
@@ -187,6 +189,7 @@ void write_head(const store::Database& database, const std::vector<SessionCathet
   keep("batch_s", options.batch_s);
   std::int64_t id = 0;
   for (const SessionCatheter& catheter : catheters) {
+    keep(checksum_key(id), checksum(catheter, id));
     database.prepare("INSERT INTO catheter VALUES (?, ?, ?, ?)")
         .bind(1, id)
         .bind(2, catheter.name)

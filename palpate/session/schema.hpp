@@ -42,5 +42,8 @@ void write_head(const store::Database& database, const std::vector<SessionCathet
 std::int64_t checksum(const LiveRecord& record, std::int64_t id);
 /// The same of an estimate.
 std::int64_t checksum(const Estimate& estimate, std::int64_t id);
+/// The same of a catheter with its sensors; it stands in table session under this key.
+std::int64_t checksum(const SessionCatheter& catheter, std::int64_t id);
+std::string checksum_key(std::int64_t catheter_id);
 
 }  // namespace palpate::session

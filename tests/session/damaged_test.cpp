@@ -133,6 +133,21 @@ TEST_F(Damaged, AFileThatIsCutOffIsReadAsFarAsItGoes) {
   EXPECT_GT(half, all() / 3);
 }
 
+/// Other stiffness, other forces: whoever estimates again must know.
+TEST_F(Damaged, AChangedCatheterIsNoticed) {
+  for (const char* change :
+       {"UPDATE catheter SET toml = 'schema = 2'", "UPDATE sensor SET name = 'tiq' WHERE position = 0",
+        "DELETE FROM sensor WHERE position = 1"}) {
+    std::filesystem::remove(path("bad"));
+    std::filesystem::copy(path("good"), path("bad"));
+    store::Database(path("bad")).execute(change);
+    SessionReader reader(path("bad"));
+    read_all(reader);
+    EXPECT_THAT(reader.damage(), Contains(HasSubstr("catheter \"catheter 0\": its file or its sensors' names")))
+        << change;
+  }
+}
+
 TEST_F(Damaged, AChangedNumberIsNoticed) {
   std::filesystem::copy(path("good"), path("bad"));
   store::Database(path("bad")).execute("UPDATE estimate SET fx_tip_N = fx_tip_N + 1e-9 WHERE id = 700");

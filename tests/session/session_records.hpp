@@ -3,7 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
+#include <bit>
+#include <cstdint>
 #include <limits>
 #include <palpate/session/reader.hpp>
 #include <palpate/session/writer.hpp>
@@ -138,7 +139,7 @@ class RandomRecords {
 /// The same bits; a NaN is any NaN.
 inline ::testing::AssertionResult same_bits(const double* a, const double* b, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i)
-    if (std::memcmp(a + i, b + i, sizeof(double)) != 0 && !(a[i] != a[i] && b[i] != b[i]))
+    if (std::bit_cast<std::uint64_t>(a[i]) != std::bit_cast<std::uint64_t>(b[i]) && !(a[i] != a[i] && b[i] != b[i]))
       return ::testing::AssertionFailure() << "number " << i << ": " << a[i] << " is not " << b[i];
   return ::testing::AssertionSuccess();
 }
