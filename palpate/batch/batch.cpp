@@ -9,6 +9,7 @@
 #include <palpate/batch/batch.hpp>
 #include <palpate/batch/plan.hpp>
 #include <palpate/math/errors.hpp>
+#include <palpate/rod/reach.hpp>
 #include <palpate/rod/step_rule.hpp>
 #include <vector>
 
@@ -127,6 +128,7 @@ void Batch::sort_by_steps(std::size_t first, int rods_here, Scratch& scratch) co
   scratch.bins.assign(static_cast<std::size_t>(plan.plan().piece_count * rod_lanes::kMostSteps) + 2, 0);
   for (int i = 0; i < rods_here; ++i) {
     scratch.curvature_per_m[i] = solver.curvature_bound_per_m(load_of(loads, first + i));
+    solution.within_reach[first + i] = within_reach(solver, scratch.curvature_per_m[i]) ? 1 : 0;
     scratch.steps[i] = rod_lanes::total_steps(plan.plan(), solver.step_rule(), scratch.curvature_per_m[i]);
     ++scratch.bins[scratch.steps[i] + 1];
   }
@@ -173,6 +175,7 @@ void solve_batch(const RodSolver& solver, const BatchLoads& loads, const BatchOp
   options.validate();
   const std::size_t rods = rods_of(loads);
   solution.stations.resize(solver.arc_lengths_m().size());
+  solution.within_reach.resize(rods);
   resize(solution.tip, static_cast<Eigen::Index>(rods), options.force_sensitivities);
   for (BatchPoints& station : solution.stations)
     resize(station, static_cast<Eigen::Index>(rods), options.force_sensitivities);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <palpate/rod/instruction_set.hpp>
 #include <palpate/rod/statics.hpp>
 #include <span>
@@ -43,6 +44,8 @@ struct BatchPoints {
 struct BatchSolution {
   BatchPoints tip;                    ///< flexible end
   std::vector<BatchPoints> stations;  ///< the solver's, in its order
+  /// 0: the rod's load is beyond what a solve is accurate for, or not finite (rod/reach.hpp).
+  std::vector<std::uint8_t> within_reach;
 };
 
 struct BatchOptions {

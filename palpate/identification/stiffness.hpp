@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-/// Stiffness from the shape that known loads give the shaft: the paper's section 5, Eq. (20),
+/// Stiffness from the shape that known loads give the shaft: the paper's Eq. (20), here squared and weighted,
 ///
 ///   K = arg min  sum over cases e, points i of  |W_i (y_ei - h(s_i; F_e, K))|^2 ,
 ///

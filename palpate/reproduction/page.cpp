@@ -61,6 +61,7 @@ std::vector<Part> make_parts(std::span<const PartMaker* const> makers, int worke
   };
   {
     std::vector<std::jthread> pool;
+    pool.reserve(static_cast<std::size_t>(threads));
     for (int t = 0; t < threads; ++t) pool.emplace_back(work);
   }
   if (failure) std::rethrow_exception(failure);
@@ -73,7 +74,7 @@ std::string page_markdown(std::span<const PartMaker* const> makers, std::span<co
       "Every table and figure of Kouh Soltani, Khanmohammadi, Ghalichi, \"A Three-Dimensional Shape-Based Force and "
       "Stiffness-Sensing Platform for Tendon-Driven Catheters\", Sensors 2016, 16, 990: theirs beside ours, with every "
       "assumption that the paper leaves open. Made by `palpate reproduce`; all but the times is the same in every "
-      "run.\n\n";
+      "run on processors with AVX2.\n\n";
   for (std::size_t i = 0; i < parts.size(); ++i) page += fmt::format("- [{}](#{})\n", parts[i].title, makers[i]->name);
   for (std::size_t i = 0; i < parts.size(); ++i)
     page += fmt::format("\n<a id=\"{}\"></a>\n\n## {}\n\n{}\n`palpate reproduce {}`\n", makers[i]->name, parts[i].title,

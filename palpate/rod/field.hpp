@@ -12,7 +12,7 @@
 ///   mu  = M - r x n + rho x g                         moment, a first integral of (3); rho = int_s^L r ds
 ///   u   = u0 + K^-1 (m_t + R^T mu)                    Darboux vector                   (4)
 ///   v   = e3 + Kse^-1 R^T n                           e3 for a Kirchhoff rod
-///   dq/dsigma = -q u / 2,  dr/dsigma = -R v,  drho/dsigma = r                          (1), (2)
+///   dq/dsigma = -q u / 2,  dr/dsigma = -R v,  drho/dsigma = r                          (2), (1)
 ///
 /// q = (w, a) is the rotation R(s) = R_tip_local(s). Its unit norm is restored after each step, so R is a rotation at
 /// every node to rounding. Along a direction, with delta R = R hat(phi), six numbers (nine) vary:
