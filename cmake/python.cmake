@@ -15,19 +15,22 @@ find_package(pybind11 2.10 REQUIRED CONFIG)
 file(GLOB palpate_python_sources CONFIGURE_DEPENDS python/src/*.cpp)
 # What the command line makes of its input is made of it here too.
 set(palpate_python_apps "")
-foreach(name IN ITEMS estimate_input estimate_options estimate_warnings file_paths identify_stiffness_input identify_stiffness_recordings
-                      reference_tare time_span)
+foreach(name IN ITEMS estimate_input estimate_options estimate_warnings file_paths identify_registration_report identify_stiffness_input
+                      identify_stiffness_recordings identify_stiffness_toml reference_tare time_span)
   list(APPEND palpate_python_apps apps/palpate/${name}.cpp)
 endforeach()
 pybind11_add_module(palpate_python MODULE NO_EXTRAS ${palpate_python_sources} ${palpate_python_apps})
 set_target_properties(palpate_python PROPERTIES OUTPUT_NAME _palpate CXX_VISIBILITY_PRESET hidden
                                                 LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/python/palpate)
 target_compile_definitions(palpate_python PRIVATE PALPATE_VERSION="${PROJECT_VERSION}")
-target_link_libraries(palpate_python PRIVATE palpate::batch palpate::identification CLI11::CLI11 fmt::fmt)
+target_link_libraries(palpate_python PRIVATE palpate::batch palpate::identification palpate_session nlohmann_json::nlohmann_json
+                                             tomlplusplus::tomlplusplus CLI11::CLI11 fmt::fmt)
 target_compile_options(palpate_python PRIVATE ${PALPATE_WARNINGS})
 palpate_precompile(palpate_python <pybind11/numpy.h> <pybind11/pybind11.h>)
 # Else another module's static libraries (fmt, Ceres) could stand in for ours.
 target_link_options(palpate_python PRIVATE LINKER:--exclude-libs,ALL)
+# Nor is a user to need what nothing of it uses: a session's export to HDF5.
+target_link_options(palpate_python PRIVATE LINKER:--as-needed)
 
 file(GLOB palpate_python_files CONFIGURE_DEPENDS python/palpate/*.py python/palpate/*.pyi python/palpate/py.typed)
 add_custom_target(palpate_python_files ALL

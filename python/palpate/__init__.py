@@ -19,8 +19,9 @@ Research software: no medical device.
 """
 
 from . import plot
-from ._palpate import Catheter, Estimate, Frame, InputError, Observability, Pose, Sensor
+from ._palpate import Catheter, Estimate, Frame, InputError, Observability, Pose, Section, Sensor
 from ._palpate import version as __version__
+from ._session import SessionEvent
 from ._warnings import PalpateWarning
 from .estimation import Estimates, Tare, estimate, read_estimate
 from .evaluation import Evaluation, ForceSizes, evaluate, force_sizes, read_forces
@@ -48,9 +49,9 @@ InputError.__module__ = "palpate"
 
 __all__ = [
     "ArcFit", "BatchPoints", "BatchShapes", "Catheter", "DelayFit", "Estimate", "Estimates", "Evaluation",
-    "ForceObserver", "ForceSizes", "Frame", "InputError", "LoadCase", "MovingNoise", "Observability", "PalpateWarning",
-    "Pose", "Recording", "Registration", "RestNoise", "Sensor", "Shape", "StiffnessFit", "Tare", "VirtualRun",
-    "__version__", "estimate", "evaluate", "fit_arc", "force_sizes", "identify_delay", "identify_moving_noise",
-    "identify_registration", "identify_rest_noise", "identify_stiffness", "plot", "read_estimate", "read_forces",
-    "read_recording", "simulate", "solve", "solve_batch",
+    "ForceObserver", "ForceSizes", "Frame", "InputError", "LoadCase", "MovingNoise", "Observability",
+    "PalpateWarning", "Pose", "Recording", "Registration", "RestNoise", "Section", "Sensor", "SessionEvent",
+    "Shape", "StiffnessFit", "Tare", "VirtualRun", "__version__", "estimate", "evaluate", "fit_arc", "force_sizes",
+    "identify_delay", "identify_moving_noise", "identify_registration", "identify_rest_noise", "identify_stiffness",
+    "plot", "read_estimate", "read_forces", "read_recording", "simulate", "solve", "solve_batch",
 ]

@@ -9,9 +9,9 @@ class PalpateWarning(UserWarning):
     """Something that a user should know about the input; the result stands."""
 
 
-def warn_all(messages: Iterable[str]) -> tuple[str, ...]:
-    """Warns of each, at the line of whoever called the public function."""
+def warn_all(messages: Iterable[str], level: int = 3) -> tuple[str, ...]:
+    """Warns of each, at the line of whoever called the public function: so many calls above."""
     kept = tuple(messages)
     for message in kept:
-        warnings.warn(message, PalpateWarning, stacklevel=3)
+        warnings.warn(message, PalpateWarning, stacklevel=level)
     return kept

@@ -10,11 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _palpate
 from ._arguments import PathLike, Rows, flag, instance, numbers_of, structured, words
-from ._palpate import Catheter
+from ._arguments import path as path_of
+from ._palpate import Catheter, InputError
+from ._session import SessionEvent, events_of, name_of
 from ._warnings import warn_all
-from .recording import Recording, paths_of
+from .recording import Recording, is_session, paths_of, refuse_tendon
 
 Floats = NDArray[np.float64]
+_NEEDED = ("time_s", "force_tip_N", "covariance_tip_N2", "status")
 
 
 @dataclass(frozen=True)
@@ -47,9 +50,17 @@ class Estimates:
     """
 
     rows: Rows
-    catheter: Optional[Catheter] = None  # as the reference interval corrects it
+    catheter: Optional[Catheter] = None  # as the reference interval corrects it; of a session as it began
     tare: Optional[Tare] = None
     warnings: tuple[str, ...] = field(default=())
+    events: tuple[SessionEvent, ...] = field(default=())  # of a session
+
+    def __post_init__(self) -> None:
+        names = getattr(getattr(self.rows, "dtype", None), "names", None) or ()
+        missing = [name for name in _NEEDED if name not in names]
+        if missing or np.ndim(self.rows) != 1:
+            kind = type(self.rows).__name__
+            raise TypeError(f"rows: {kind}: expected a structured array (n,) with fields {', '.join(_NEEDED)}")
 
     @property
     def time_s(self) -> Floats:
@@ -107,6 +118,7 @@ def estimate(
     recording: Union[Recording, PathLike, Sequence[PathLike]],
     catheter: Catheter,
     *,
+    catheter_name: Optional[str] = None,
     tendon: Optional[PathLike] = None,
     reference: Optional[ArrayLike] = None,
     smooth: bool = False,
@@ -115,7 +127,9 @@ def estimate(
 ) -> Estimates:
     """The force of every frame, with the numbers of `palpate estimate`.
 
-    recording  a Recording, a path, or several paths that are merged by time
+    recording  a Recording, a path, or several paths that are merged by time; of a session (`palpate record`, `palpate
+               serve`) the frames are estimated anew: read_estimate() gives what was felt live
+    catheter_name  which catheter of a session that has several
     tendon     tendon CSV beside it: moment or tension over time, or where the handle stands
     reference  (from_s, to_s) without tip force: corrects base and precurvature
     smooth     use later frames as well: each force in the light of the whole recording
@@ -126,14 +140,39 @@ def estimate(
     About 10 us a frame. C++: palpate::ForceObserver, palpate::SmoothingPass.
     """
     instance("catheter", catheter, Catheter)
-    source: Union[_palpate.Recording, list[str]]
-    source = recording._data if isinstance(recording, Recording) else paths_of("recording", recording)
+    _palpate.check_options(catheter, options)
+    source: Union[_palpate.Recording, list[bytes]]
+    damage: list[str] = []
+    if isinstance(recording, Recording):
+        if catheter_name is not None:
+            raise InputError("catheter_name: expected a session's path: this recording was read of one catheter already")
+        source = recording._data
+    elif is_session("recording", recording, catheter_name):
+        file = paths_of("recording", recording)[0]
+        refuse_tendon(tendon, file)
+        source, session = _palpate.read_session_recording(file, name_of(catheter_name))
+        damage = session["damage"]
+    else:
+        source = paths_of("recording", recording)
     columns, corrected, remarks, tare = _palpate.estimate(
         source, catheter, tendon, reference, flag("smooth", smooth), flag("strict", strict), options
     )
-    return Estimates(_rows(columns), corrected, None if tare is None else Tare(**tare), warn_all(remarks))
+    return Estimates(_rows(columns), corrected, None if tare is None else Tare(**tare), warn_all(damage + remarks))
 
 
-def read_estimate(path: PathLike) -> Estimates:
-    """Reads an estimate CSV of `palpate estimate`. Raises InputError naming file, line, field and value."""
-    return Estimates(_rows(_palpate.read_estimate(path)))
+def read_estimate(path: PathLike, *, catheter_name: Optional[str] = None) -> Estimates:
+    """Reads an estimate CSV of `palpate estimate`, or what a session of `palpate record` or `palpate serve` felt live.
+
+    A session has all columns, bit for bit as they went out (forecast_* only where it was asked for), and its catheter,
+    as it began, and events beside them; `catheter_name` chooses one of several. Rows that are not as they were written
+    are left out, and a PalpateWarning tells. time_s is the device's; read_recording(path).frames, row by row the same,
+    has the host's.
+
+    Raises InputError naming file, line, field and value.
+    """
+    file = path_of("path", path)
+    if not is_session("path", path, catheter_name):
+        return Estimates(_rows(_palpate.read_estimate(path)))
+    columns, session = _palpate.read_session_estimates(file, name_of(catheter_name))
+    damage = warn_all(session["damage"])
+    return Estimates(_rows(columns), session["catheter"], None, damage, events_of(session))

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """An estimate held against a force sensor."""
 
+import os
 from dataclasses import dataclass
 from typing import Any, Union
 
@@ -8,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _palpate
-from ._arguments import PathLike, Rows, is_path, path, structured
+from ._arguments import PathLike, Rows, path, structured
 from .estimation import Estimates, columns_of, read_estimate
 
 Floats = NDArray[np.float64]
@@ -59,10 +60,12 @@ def read_forces(path: PathLike) -> Rows:
 
 def truth_rows(truth: Truth) -> tuple[NDArray[Any], NDArray[Any]]:
     """Times and forces of a force CSV, or of a structured array with time_s and force_tip_N."""
-    rows = read_forces(path("truth", truth)) if is_path(truth) else truth
-    names = getattr(getattr(rows, "dtype", None), "names", None) or ()
-    if isinstance(rows, np.ndarray) and {"time_s", "force_tip_N"} <= set(names):
-        return rows["time_s"], rows["force_tip_N"]
+    if isinstance(truth, (str, os.PathLike)):
+        path("truth", truth)
+        truth = read_forces(truth)
+    names = getattr(getattr(truth, "dtype", None), "names", None) or ()
+    if isinstance(truth, np.ndarray) and {"time_s", "force_tip_N"} <= set(names):
+        return truth["time_s"], truth["force_tip_N"]
     raise TypeError(
         f"truth: {type(truth).__name__}: expected a force CSV, or an array with fields time_s and force_tip_N"
     )
@@ -70,8 +73,9 @@ def truth_rows(truth: Truth) -> tuple[NDArray[Any], NDArray[Any]]:
 
 def estimate_columns(estimate: Union[Estimates, PathLike]) -> dict[str, NDArray[Any]]:
     """Of estimates, or of an estimate CSV."""
-    if is_path(estimate):
-        estimate = read_estimate(path("estimate", estimate))
+    if isinstance(estimate, (str, os.PathLike)):
+        path("estimate", estimate)
+        estimate = read_estimate(estimate)
     if not isinstance(estimate, Estimates):
         raise TypeError(f"estimate: {type(estimate).__name__}: expected palpate.Estimates or an estimate CSV")
     return columns_of(estimate.rows)

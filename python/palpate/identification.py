@@ -2,14 +2,14 @@
 """Catheter and setup from measurements: stiffness, the unloaded shaft's arc, registration, noise, delay."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _palpate
-from ._arguments import PathLike, flag, instance, is_path, path
+from ._arguments import PathLike, flag, instance, is_path, path, read_only
 from ._palpate import Catheter, Pose
 from ._warnings import warn_all
 from .estimation import Estimates
@@ -23,6 +23,7 @@ Floats = NDArray[np.float64]
 class LoadCase:
     """The shaft at rest under one dead load.
 
+    name             for messages
     force_base_N     (3,) at the contact point, base frame
     arc_length_m     (n,) of the points; NaN: not known, z of the point tells
     position_base_m  (n, 3); NaN: this component was not measured
@@ -38,7 +39,7 @@ class LoadCase:
 
 @dataclass(frozen=True)
 class StiffnessFit:
-    """unknowns: (name, value, sigma of its logarithm) each; stiffness_Nm2 (3,): EI1, EI2, GJ; catheter: the one given
+    """Arrays are read-only. unknowns: (name, value, sigma of its logarithm) each; stiffness_Nm2 (3,): EI1, EI2, GJ; catheter: the one given
     with the shaft as identified (its stated sigmas are kept)."""
 
     converged: bool
@@ -52,6 +53,17 @@ class StiffnessFit:
     iterations: int
     warnings: list[str]
     catheter: Catheter
+    _found: _palpate.StiffnessFound = field(repr=False)
+
+    def write(self, catheter: PathLike, out: PathLike) -> None:
+        """As `palpate identify stiffness --catheter CATHETER --out OUT`: the catheter file, its order and comments kept,
+        with the stiffness found, its sigma and correlation. catheter: the file from which the catheter was read.
+
+        Raises InputError where the fit did not converge, `out` is the file itself, or the file differs from the catheter
+        that was fitted in what the fit rests on: shaft, places of the sensors, base sigmas; of a load-case file also
+        mountings, noise and base. Nothing is written then.
+        """
+        self._found.write(catheter, out)
 
 
 def identify_stiffness(
@@ -72,7 +84,7 @@ def identify_stiffness(
     Raises InputError naming the cause; what the loads do not tell is a warning. C++: palpate::identify_stiffness.
     """
     instance("catheter", catheter, Catheter)
-    given: Union[str, list[dict[str, Any]]]
+    given: Union[bytes, list[dict[str, Any]]]
     if is_path(cases):
         given = path("cases", cases)
     elif isinstance(cases, Sequence):
@@ -82,7 +94,7 @@ def identify_stiffness(
     free = flag("free_shear", free_shear)
     found = _palpate.identify_stiffness(catheter, given, unknowns, method, poisson_ratio, free)
     warn_all(found["warnings"])
-    return StiffnessFit(**found)
+    return StiffnessFit(**read_only(found))
 
 
 @dataclass(frozen=True)
@@ -112,7 +124,8 @@ def fit_arc(
 ) -> ArcFit:
     """Curvature of the unloaded shaft (paper, section 5.1).
 
-    data      (arc_length_m (n,), position_m (n, 3)) of markers, NaN where not measured; or a Recording at rest
+    data      (arc_length_m (n,), position_m (n, 3)) of markers: a row of NaN was not seen and is left out, a column of
+              NaN is a component that was not measured, as in a picture from one side; or a Recording at rest
     interval  (from_s, to_s) of the recording; sigma_m: of the points, 0: told by the residuals
     clamp     "exact": the frame of the data is the base frame (default of points); "stated": to the catheter's sigmas
               (default of a recording); "free": anywhere
@@ -132,7 +145,7 @@ def fit_arc(
 
 @dataclass(frozen=True)
 class Registration:
-    """T_reference_base: the clamp in the tracker's frame (in the base sensor's where the base is tracked);
+    """Arrays are read-only. T_reference_base: the clamp in the tracker's frame (in the base sensor's where the base is tracked);
     base_covariance (6, 6): of position [m] and rotation [rad] in its own axes; precurvature_per_m (positions, 3)."""
 
     converged: bool
@@ -146,6 +159,17 @@ class Registration:
     degrees_of_freedom: int
     warnings: list[str]
     catheter: Catheter
+    _found: _palpate.RegistrationFound = field(repr=False)
+
+    def write(self, catheter: PathLike, out: PathLike) -> None:
+        """As `palpate identify registration --catheter CATHETER --out OUT`: the catheter file, its order and comments
+        kept, with the base found (of a tracked base its sensor's mounting), mountings where they were asked for, and
+        their sigmas. catheter: the file from which the catheter was read.
+
+        Raises InputError where `out` is the file itself, or the file differs from the catheter that was fitted in what
+        the fit rests on: shaft (its stiffness under own weight alone), sensors. Nothing is written then.
+        """
+        self._found.write(catheter, out)
 
 
 def identify_registration(
@@ -170,7 +194,7 @@ def identify_registration(
         catheter, stretches, flag("mounting", mounting), mount_sigma_m, mount_sigma_rad
     )
     warn_all(found["warnings"])
-    return Registration(**found)
+    return Registration(**read_only(found))
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,10 @@ class ForceObserver:
     def __init__(self, catheter: Catheter, **options: Any) -> None:
         self._observer = _palpate.Observer(instance("catheter", catheter, Catheter), options)
 
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        """Of the filter's state there is one: a copy would share it."""
+        raise TypeError("palpate.ForceObserver: cannot be pickled or copied: make another of the same catheter")
+
     @property
     def options(self) -> dict[str, Any]:
         """All options with their values."""

@@ -29,7 +29,8 @@ class Shape:
     force_local_N, moment_local_Nm  (n, 3)  internal, of the distal on the proximal part
     T_base_tip         Pose of the flexible end
     force_tip_N        (3,)       the load
-    converged          False: the Newton loop around the shaft's own weight found no answer
+    converged          False: the load is beyond the integrator's reach (a thousand times a catheter's), something here is no
+                       finite number, or the Newton loop around the shaft's own weight found no answer
     d_rotation         (n, 3, 3)  column j: by tip force component j [rad/N], body side: dR = R hat(d_rotation dF)
     d_position_m       (n, 3, 3)  [m/N], base components
     d_curvature_per_m  (n, 3, 3)  [1/(m N)]; these three None unless sensitivities were asked for
@@ -92,11 +93,13 @@ def solve(
 @dataclass(frozen=True)
 class BatchPoints:
     """One place of n rods; fields as of Shape, first index the rod. Views of the batch's own memory, not copies: a
-    rod's components do not lie side by side (numpy.ascontiguousarray puts them so)."""
+    rod's components do not lie side by side (numpy.ascontiguousarray puts them so). converged (n,): False where the
+    load is beyond the integrator's reach, or anything of the rod, at the tip or at a station, is no finite number."""
 
     position_base_m: Floats
     R_base_local: Floats
     curvature_per_m: Floats
+    converged: NDArray[np.bool_]
     d_rotation: Optional[Floats] = None
     d_position_m: Optional[Floats] = None
     d_curvature_per_m: Optional[Floats] = None
@@ -108,6 +111,11 @@ class BatchShapes:
 
     tip: BatchPoints
     stations: tuple[BatchPoints, ...]
+
+    @property
+    def converged(self) -> NDArray[np.bool_]:
+        """(n,), as of each of the points."""
+        return self.tip.converged
 
 
 def solve_batch(

@@ -93,10 +93,11 @@ double number(py::handle value, std::string_view name, Values which) {
 
 long whole_number(py::handle value, std::string_view name) {
   if (PyBool_Check(value.ptr()) || !PyIndex_Check(value.ptr())) refuse(name, value, "a whole number");
-  const long out = PyLong_AsLong(py::int_(py::reinterpret_borrow<py::object>(value)).ptr());
+  const auto whole = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
+  const long out = whole ? PyLong_AsLong(whole.ptr()) : -1;
   if (out == -1 && PyErr_Occurred()) {
     PyErr_Clear();
-    refuse(name, value, "a whole number of usual size");
+    refuse(name, value, whole ? "a whole number of usual size" : "a whole number");
   }
   return out;
 }
@@ -108,7 +109,28 @@ bool truth_value(py::handle value, std::string_view name) {
 
 std::string word(py::handle value, std::string_view name) {
   if (!py::isinstance<py::str>(value)) refuse(name, value, "a str");
-  return value.cast<std::string>();
+  py::ssize_t size = 0;
+  const char* const text = PyUnicode_AsUTF8AndSize(value.ptr(), &size);
+  if (text == nullptr) {
+    PyErr_Clear();
+    refuse(name, value, "text that UTF-8 can say, without surrogates");
+  }
+  std::string out(text, static_cast<std::size_t>(size));
+  if (out.find('\0') != std::string::npos) refuse(name, value, "text without a NUL");
+  return out;
+}
+
+std::vector<std::string> words(py::handle value, std::string_view name) {
+  if (!py::isinstance<py::sequence>(value) || py::isinstance<py::str>(value) || py::isinstance<py::bytes>(value))
+    refuse_class(value, name, "a list of str");
+  std::vector<std::string> out;
+  for (const py::handle one : value) out.push_back(word(one, fmt::format("{}[{}]", name, out.size())));
+  return out;
+}
+
+void refuse_class(py::handle value, std::string_view name, std::string_view expected) {
+  throw py::type_error(
+      fmt::format("{}: {}: expected {}", name, py::type::of(value).attr("__name__").cast<std::string>(), expected));
 }
 
 Vector3d vector3(py::handle value, std::string_view name) {
@@ -122,7 +144,7 @@ Eigen::Vector2d vector2(py::handle value, std::string_view name) {
 
 Matrix3d rotation(py::handle value, std::string_view name) {
   const Array array = numbers(value, name, {3, 3});
-  const Matrix3d R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(array.data());
+  Matrix3d R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(array.data());
   const double error = (R.transpose() * R - Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(error <= 1e-6) || !(R.determinant() > 0.0))
     throw InputError(
@@ -154,7 +176,27 @@ std::string path_text(py::handle value, std::string_view name) {
   const py::object path = py::reinterpret_steal<py::object>(PyOS_FSPath(value.ptr()));
   if (!path) PyErr_Clear();
   if (!path || !py::isinstance<py::str>(path)) refuse(name, value, "a path (str or os.PathLike)");
-  return path.cast<std::string>();
+  const auto bytes = py::reinterpret_steal<py::bytes>(PyUnicode_EncodeFSDefault(path.ptr()));
+  if (!bytes) {
+    PyErr_Clear();
+    refuse(name, value, "a path that the file system's encoding can say");
+  }
+  std::string out(bytes);
+  if (out.find('\0') != std::string::npos) refuse(name, value, "a path without a NUL");
+  return out;
+}
+
+py::str shown(std::string_view text) {
+  PyObject* const decoded =
+      PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "backslashreplace");
+  if (decoded == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::str>(decoded);
+}
+
+py::list shown(const std::vector<std::string>& texts) {
+  py::list out;
+  for (const std::string& text : texts) out.append(shown(text));
+  return out;
 }
 
 }  // namespace palpate::python

@@ -27,11 +27,24 @@ inline constexpr py::ssize_t kAnyLength = -1;
 Array numbers(py::handle value, std::string_view name, const std::vector<py::ssize_t>& shape,
               Values values = Values::kFinite);
 
+[[noreturn]] void refuse_class(py::handle value, std::string_view name, std::string_view expected);
+
 double number(py::handle value, std::string_view name, Values values = Values::kFinite);
 /// A whole number. Throws InputError.
 long whole_number(py::handle value, std::string_view name);
 bool truth_value(py::handle value, std::string_view name);
+/// Throws InputError on what is no str, or has what UTF-8 cannot say, or a NUL.
 std::string word(py::handle value, std::string_view name);
+std::vector<std::string> words(py::handle value, std::string_view name);
+/// Of a class of ours, or of several of them; `kind`: in words. Throws py::type_error.
+template <class T>
+T object_of(const py::object& value, std::string_view name, std::string_view kind) {
+  try {
+    return value.cast<T>();
+  } catch (const py::cast_error&) {
+    refuse_class(value, name, kind);
+  }
+}
 Vector3d vector3(py::handle value, std::string_view name);
 Eigen::Vector2d vector2(py::handle value, std::string_view name);
 /// A 3 x 3 rotation matrix. Throws InputError where R^T R is off by more than 1e-6.
@@ -43,8 +56,12 @@ std::span<const double> values(const Array& array);
 std::vector<double> to_vector(py::handle value, std::string_view name);
 std::vector<Vector3d> to_vectors(py::handle value, std::string_view name);
 
-/// A path as str or os.PathLike. Throws InputError on anything else.
+/// A path as str or os.PathLike, in the file system's encoding. Throws InputError on anything else.
 std::string path_text(py::handle value, std::string_view name);
+
+/// As Python's text, whatever the bytes are: what is no UTF-8, as in a file of another encoding, as "\\xfc".
+py::str shown(std::string_view text);
+py::list shown(const std::vector<std::string>& texts);
 
 /// An array of shape (count, inner...); `put(i, out)` writes row i.
 template <class Number = double, class Put>

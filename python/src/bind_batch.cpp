@@ -27,8 +27,9 @@ py::array matrices(const BatchMatrices& from, const py::capsule& owner) {
                              owner);
 }
 
-py::dict as_dict(const BatchPoints& points, bool sensitivities, const py::capsule& owner) {
+py::dict as_dict(const BatchPoints& points, bool sensitivities, const py::array& converged, const py::capsule& owner) {
   py::dict out;
+  out["converged"] = converged;
   out["position_base_m"] = vectors(points.p_base_local_m, owner);
   out["R_base_local"] = matrices(points.R_base_local, owner);
   out["curvature_per_m"] = vectors(points.curvature_per_m, owner);
@@ -72,23 +73,24 @@ py::tuple solve_many(const CatheterFile& file, const py::dict& loads, const py::
       log_stiffness(loads, "log_stiffness", n), precurvature(loads, "precurvature_per_m", n);
   const RodSolver solver(rod, stations_of(arc_lengths_m, rod), accuracy_of(accuracy));
   const BatchOptions options{.force_sensitivities = sensitivities, .workers = workers_of(workers)};
-  auto solution = std::make_unique<BatchSolution>();
+  auto solved = std::make_unique<BatchSolution>();
   {
-    const py::gil_scoped_release others_run;
-    solve_batch(solver,
-                {.force_tip_N = force.rows(),
-                 .moment_tip_Nm = moment.rows(),
-                 .tendon_couple_Nm = couple.rows(),
-                 .log_stiffness = log_stiffness.rows(),
-                 .precurvature_per_m = precurvature.rows()},
-                options, *solution);
+    const OthersRun others_run;
+    const BatchLoads all{.force_tip_N = force.rows(),
+                         .moment_tip_Nm = moment.rows(),
+                         .tendon_couple_Nm = couple.rows(),
+                         .log_stiffness = log_stiffness.rows(),
+                         .precurvature_per_m = precurvature.rows()};
+    solve_batch(solver, all, options, *solved);
   }
-  const BatchSolution& kept = *solution;
-  const py::capsule owner(solution.get(), [](void* data) { delete static_cast<BatchSolution*>(data); });
-  solution.release();
+  const BatchSolution& kept = *solved;
+  const py::capsule owner(solved.get(), [](void* data) { delete static_cast<BatchSolution*>(data); });
+  (void)solved.release();  // the capsule has it now
+  static_assert(sizeof(bool) == 1);
+  const py::array converged(py::dtype::of<bool>(), {n}, {py::ssize_t{1}}, kept.within_reach.data(), owner);
   py::list stations;
-  for (const BatchPoints& points : kept.stations) stations.append(as_dict(points, sensitivities, owner));
-  return py::make_tuple(as_dict(kept.tip, sensitivities, owner), stations);
+  for (const BatchPoints& points : kept.stations) stations.append(as_dict(points, sensitivities, converged, owner));
+  return py::make_tuple(as_dict(kept.tip, sensitivities, converged, owner), stations);
 }
 
 }  // namespace

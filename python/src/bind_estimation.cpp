@@ -114,15 +114,22 @@ py::tuple estimate(const std::variant<const Recording*, std::vector<std::string>
   app::warn_of_states_without_sigma(file, warnings);
   Offline offline;
   {
-    const py::gil_scoped_release others_run;
+    const OthersRun others_run;
     offline = run(prepared(source, wishes, file, warnings), file, wishes, warnings);
   }
   file.catheter = offline.catheter;
-  return py::make_tuple(estimate_columns(offline.estimates), std::move(file), warnings, tare_of(offline));
+  file.reference.given = false;  // it is in the catheter now
+  return py::make_tuple(estimate_columns(offline.estimates), std::move(file), shown(warnings), tare_of(offline));
 }
 
 }  // namespace
 
-void bind_estimation(py::module_& m) { m.def("estimate", &estimate); }
+void bind_estimation(py::module_& m) {
+  m.def("estimate", &estimate);
+  m.def("check_options", [](const CatheterFile& file, const py::dict& options) {
+    ObserverOptions as_changed = file.observer;
+    set_options(options, as_changed);
+  });
+}
 
 }  // namespace palpate::python

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <pybind11/eigen.h>
 
+#include <algorithm>
+#include <cmath>
 #include <palpate/evaluation/evaluation.hpp>
 #include <palpate/evaluation/force_size.hpp>
 #include <palpate/math/units.hpp>
@@ -29,8 +31,16 @@ py::dict read_estimate(const py::object& path) {
       filled<std::int32_t>(n, {}, [&](std::size_t i, std::int32_t* to) { *to = rows[i].sensors_used; });
   out["nis"] = filled(n, {}, [&](std::size_t i, double* to) { *to = rows[i].nis; });
   out["dof"] = filled<std::int32_t>(n, {}, [&](std::size_t i, std::int32_t* to) { *to = rows[i].dof; });
-  out["stiffness_Nm2"] = vectors([](const EstimateRow& row) { return row.shaft.stiffness_Nm2; });
-  out["precurvature_per_m"] = vectors([](const EstimateRow& row) { return row.shaft.precurvature_per_m; });
+  // Zero where the file has no such column (EstimateRow): what nobody said is no number, and nothing at all no column.
+  const auto if_told = [&](const char* name, auto get) {
+    const auto tells = [&](const EstimateRow& row) { return !get(row).isZero(0.0); };
+    if (std::none_of(rows.begin(), rows.end(), tells)) return;
+    out[name] = vectors([&](const EstimateRow& row) {
+      return Vector3d(get(row).unaryExpr([](double told) { return told == 0.0 ? NAN : told; }));
+    });
+  };
+  if_told("stiffness_Nm2", [](const EstimateRow& row) { return row.shaft.stiffness_Nm2; });
+  if_told("precurvature_per_m", [](const EstimateRow& row) { return row.shaft.precurvature_per_m; });
   return out;
 }
 

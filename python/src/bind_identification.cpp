@@ -4,14 +4,17 @@
 #include <pybind11/stl.h>
 
 #include <apps/palpate/identify_stiffness_input.hpp>
+#include <apps/palpate/identify_stiffness_toml.hpp>
 #include <palpate/identification/delay.hpp>
 #include <palpate/identification/noise.hpp>
 #include <palpate/identification/noise_moving.hpp>
 #include <palpate/math/errors.hpp>
+#include <palpate/recording/text_table.hpp>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "estimate_rows.hpp"
+#include "fit_files.hpp"
 
 namespace palpate::python {
 namespace {
@@ -33,8 +36,9 @@ LoadCase load_case(const py::dict& given) {
   return out;
 }
 
-StiffnessOptions options_of(const std::string& unknowns, const std::string& method, const py::object& poisson_ratio,
+StiffnessOptions options_of(const py::object& wanted, const py::object& by, const py::object& poisson_ratio,
                             bool free_shear) {
+  const std::string unknowns = word(wanted, "unknowns"), method = word(by, "method");
   using O = StiffnessOptions;
   O options{.free_shear = free_shear};
   if (unknowns == "scale")
@@ -42,14 +46,30 @@ StiffnessOptions options_of(const std::string& unknowns, const std::string& meth
   else if (unknowns == "bending,torsion")
     options.unknowns = O::Unknowns::kBendingAndTorsion;
   else if (unknowns != "bending")
-    throw InputError(fmt::format("unknowns = '{}': expected bending, scale or bending,torsion", unknowns));
+    throw InputError(fmt::format("unknowns = '{}': expected bending, scale or bending,torsion", printable(unknowns)));
   if (method == "nelder-mead")
     options.method = O::Method::kNelderMead;
   else if (method != "lm")
-    throw InputError(fmt::format("method = '{}': expected lm or nelder-mead", method));
+    throw InputError(fmt::format("method = '{}': expected lm or nelder-mead", printable(method)));
   if (!poisson_ratio.is_none()) options.poisson_ratio = number(poisson_ratio, "poisson_ratio");
   return options;
 }
+
+/// What a catheter file is told of a fit.
+struct StiffnessFound {
+  StiffnessFit fit;
+  StiffnessOptions::Unknowns unknowns;
+  Fitted fitted;
+
+  void write(const py::object& catheter, const py::object& out) const {
+    const FitFiles files = fit_files(catheter, out, fitted);
+    if (!fit.converged)
+      throw InputError(
+          fmt::format("{}: the fit did not converge in {} iterations: nothing was written", files.out, fit.iterations));
+    write_catheter_file(app::with_identified_stiffness(files.catheter, files.stated.catheter, fit, unknowns),
+                        files.out);
+  }
+};
 
 py::dict as_dict(const StiffnessFit& fit, const std::vector<std::string>& warnings, CatheterFile file) {
   py::list unknowns;
@@ -64,17 +84,18 @@ py::dict as_dict(const StiffnessFit& fit, const std::vector<std::string>& warnin
   out["degrees_of_freedom"] = fit.degrees_of_freedom;
   out["point_sigma_m"] = fit.point_sigma_m;
   out["iterations"] = fit.iterations;
-  out["warnings"] = warnings;
+  out["warnings"] = shown(warnings);
   file.catheter.rod = fit.rod;
   out["catheter"] = std::move(file);
   return out;
 }
 
 py::dict stiffness(const CatheterFile& file, const std::variant<std::string, std::vector<py::dict>>& cases,
-                   const std::string& unknowns, const std::string& method, const py::object& poisson_ratio,
+                   const py::object& unknowns, const py::object& method, const py::object& poisson_ratio,
                    bool free_shear) {
   StiffnessOptions options = options_of(unknowns, method, poisson_ratio, free_shear);
   app::StiffnessInput input{.catheter = file.catheter, .cases = {}, .warnings = {}};
+  const bool cases_given = !std::holds_alternative<std::string>(cases);
   if (const auto* path = std::get_if<std::string>(&cases)) {
     const LoadCaseFile read = read_load_cases(*path, file.catheter);
     if (read.own_weight_subtracted) options.own_weight = StiffnessOptions::OwnWeight::kSubtracted;
@@ -84,11 +105,15 @@ py::dict stiffness(const CatheterFile& file, const std::variant<std::string, std
   }
   StiffnessFit fit;
   {
-    const py::gil_scoped_release others_run;
+    const OthersRun others_run;
     fit = identify_stiffness(input.catheter, input.cases, options);
   }
   input.warnings.insert(input.warnings.end(), fit.warnings.begin(), fit.warnings.end());
-  return as_dict(fit, input.warnings, file);
+  py::dict out = as_dict(fit, input.warnings, file);
+  out["_found"] = StiffnessFound{std::move(fit),
+                                 options.unknowns,
+                                 {.catheter = file.catheter, .poses = !cases_given, .base = true, .stiffness = true}};
+  return out;
 }
 
 py::dict delay(const py::object& time_s, const py::object& force_tip_N, const py::object& sigma_N,
@@ -154,7 +179,7 @@ py::dict noise(const Recording& recording, const py::object& interval, bool movi
   py::dict out;
   for (std::size_t i = 0; i < recording.data.sensor_names.size(); ++i) {
     const SensorSamples samples = collect_samples(recording.data.frames, i, span);
-    out[py::str(recording.data.sensor_names[i])] = moving ? noise_of_motion(samples) : noise_at_rest(samples);
+    out[shown(recording.data.sensor_names[i])] = moving ? noise_of_motion(samples) : noise_at_rest(samples);
   }
   return out;
 }
@@ -162,6 +187,7 @@ py::dict noise(const Recording& recording, const py::object& interval, bool movi
 }  // namespace
 
 void bind_identification(py::module_& m) {
+  py::class_<StiffnessFound>(m, "StiffnessFound").def("write", &StiffnessFound::write);
   m.def("identify_stiffness", &stiffness);
   m.def("identify_delay", &delay);
   m.def("identify_noise", &noise);

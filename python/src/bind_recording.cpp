@@ -8,6 +8,7 @@
 #include <palpate/math/errors.hpp>
 #include <palpate/recording/csv_writers.hpp>
 #include <palpate/recording/estimate_csv.hpp>
+#include <palpate/recording/text_table.hpp>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
@@ -44,7 +45,8 @@ py::dict sensor_columns(const TrackerRecording& data, std::size_t sensor) {
   return out;
 }
 
-py::dict frame_columns(const TrackerRecording& data) {
+py::dict frame_columns(const Recording& recording) {
+  const TrackerRecording& data = recording.data;
   const std::size_t n = data.frames.size();
   py::dict out;
   out["time_s"] = filled(n, {}, [&](std::size_t i, double* to) { *to = data.frames[i].time_s; });
@@ -53,6 +55,10 @@ py::dict frame_columns(const TrackerRecording& data) {
     const TendonReading& tendon = data.frames[i].tendon;
     put_rows(tendon.present ? tendon.moment_Nm : Eigen::Vector2d(Eigen::Vector2d::Constant(kNaN)), to);
   });
+  if (!recording.of_session) return out;
+  out["output_time_s"] = filled(n, {}, [&](std::size_t i, double* to) { *to = recording.output_time_s[i]; });
+  out["received_ns"] =
+      filled<std::int64_t>(n, {}, [&](std::size_t i, std::int64_t* to) { *to = recording.received_ns[i]; });
   return out;
 }
 
@@ -82,20 +88,54 @@ Recording from_arrays(const py::object& time_s, const py::dict& sensors, const p
   return out;
 }
 
-py::tuple read_bound(const std::vector<std::string>& paths, const CatheterFile& file, const py::object& tendon) {
+/// What `load` makes of options and settings, as its catheter's.
+template <class Load>
+py::tuple bound_by(const Load& load, const CatheterFile& file, const py::object& tendon) {
   app::EstimateOptions options;
-  options.recordings = paths;
   if (!tendon.is_none()) options.tendon = path_text(tendon, "tendon");
   CatheterFile settings = file;
   if (!options.tendon.empty()) settings.catheter = driven_by_map(settings.catheter);
   std::vector<std::string> warnings;
-  Recording out{app::load_recording(options, settings, warnings), true};
-  return py::make_tuple(std::move(out), warnings);
+  Recording out{.data = load(options, settings, warnings), .bound = true};
+  return py::make_tuple(std::move(out), shown(warnings));
+}
+
+py::tuple read_bound(const std::vector<std::string>& paths, const CatheterFile& file, const py::object& tendon) {
+  const auto load = [&](app::EstimateOptions& options, const CatheterFile& settings, auto& warnings) {
+    options.recordings = paths;
+    return app::load_recording(options, settings, warnings);
+  };
+  return bound_by(load, file, tendon);
+}
+
+/// The same of a recording that was read already.
+py::tuple bind(const Recording& recording, const CatheterFile& file, const py::object& tendon) {
+  const auto load = [&](const app::EstimateOptions& options, const CatheterFile& settings, auto& warnings) {
+    return app::prepare_recording({recording.data}, options, settings, warnings);
+  };
+  py::tuple out = bound_by(load, file, tendon);
+  auto& bound = out[0].cast<Recording&>();
+  bound.of_session = recording.of_session;
+  bound.output_time_s = recording.output_time_s;
+  bound.received_ns = recording.received_ns;
+  return out;
+}
+
+/// What a row of a CSV can say, and reads back.
+void require_csv_name(const std::string& name) {
+  if (!name.empty() && name.find_first_of(",\"\r\n") == std::string::npos && trim(name) == name) return;
+  throw InputError(
+      fmt::format("sensor '{}': expected a name without comma, quote or line break, and no blank at its ends, for a "
+                  "tracker CSV",
+                  printable(name)));
 }
 
 void write_csv(const Recording& recording, const py::object& path) {
   Catheter names;
-  for (const std::string& name : recording.data.sensor_names) names.sensors.emplace_back().name = name;
+  for (const std::string& name : recording.data.sensor_names) {
+    require_csv_name(name);
+    names.sensors.emplace_back().name = name;
+  }
   write_tracker_csv(path_text(path, "path"), names, recording.data.frames);
 }
 
@@ -139,16 +179,14 @@ void bind_recording(py::module_& m) {
   bind_frame(m);
   py::class_<Recording>(m, "Recording")
       .def(py::init(&from_arrays))
-      .def_static("read",
-                  [](const std::string& path) {
-                    return Recording{read_tracker_recording(path), false};
-                  })
+      .def_static("read", [](const std::string& path) { return Recording{.data = read_tracker_recording(path)}; })
       .def_static("read_bound", &read_bound)
-      .def_property_readonly("source", [](const Recording& r) { return r.data.source; })
-      .def_property_readonly("sensor_names", [](const Recording& r) { return r.data.sensor_names; })
-      .def_property_readonly("notes", [](const Recording& r) { return r.data.notes; })
+      .def("bind", &bind)
+      .def_property_readonly("source", [](const Recording& r) { return shown(r.data.source); })
+      .def_property_readonly("sensor_names", [](const Recording& r) { return shown(r.data.sensor_names); })
+      .def_property_readonly("notes", [](const Recording& r) { return shown(r.data.notes); })
       .def_readonly("bound", &Recording::bound)
-      .def("frame_columns", [](const Recording& r) { return frame_columns(r.data); })
+      .def("frame_columns", [](const Recording& r) { return frame_columns(r); })
       .def("sensor_columns", [](const Recording& r, std::size_t i) { return sensor_columns(r.data, i); })
       .def("write_csv", &write_csv)
       .def("frame_at", &frame_at)

@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 #include <pybind11/eigen.h>
 
+#include <algorithm>
 #include <palpate/math/errors.hpp>
 #include <palpate/rod/base_loads.hpp>
+#include <palpate/rod/reach.hpp>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
@@ -74,7 +76,7 @@ py::dict solve(const CatheterFile& file, const py::dict& load, const py::object&
   WeightWorkspace<3> workspace = make_weight_workspace<3>(solver);
   RodSolution<3> solution = solver.make_solution<3>();
   const WeightedSolve solved = solve_under_weight<3>(solver, tip, directions, workspace, solution);
-  return as_dict(solution, solved.converged, sensitivities);
+  return as_dict(solution, solved.converged && within_reach(solver, tip), sensitivities);
 }
 
 }  // namespace

@@ -3,13 +3,16 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <apps/palpate/identify_registration_report.hpp>
 #include <limits>
 #include <palpate/identification/precurvature.hpp>
 #include <palpate/identification/registration.hpp>
 #include <palpate/math/errors.hpp>
+#include <palpate/recording/text_table.hpp>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "fit_files.hpp"
 
 namespace palpate::python {
 namespace {
@@ -36,6 +39,20 @@ TrackerRecording bound(const Recording& recording, const CatheterFile& file) {
   return out;
 }
 
+/// What a catheter file is told of a registration.
+struct RegistrationFound {
+  Registration found;
+  bool mounting = false;
+  Catheter before;
+
+  void write(const py::object& catheter, const py::object& out) const {
+    const FitFiles files = fit_files(catheter, out, {.catheter = before, .poses = true});
+    TomlEdit edit(files.catheter);
+    app::put_registration(found, mounting, edit);
+    write_catheter_file(edit, files.out);
+  }
+};
+
 py::dict registration_as_dict(const Registration& found, CatheterFile file) {
   const std::size_t n = found.positions.size();
   py::dict out;
@@ -50,7 +67,7 @@ py::dict registration_as_dict(const Registration& found, CatheterFile file) {
   out["rotation_rms_rad"] = found.rotation_rms_rad;
   out["chi_square"] = found.chi_square;
   out["degrees_of_freedom"] = found.degrees_of_freedom;
-  out["warnings"] = found.warnings;
+  out["warnings"] = shown(found.warnings);
   file.catheter = found.catheter;
   out["catheter"] = std::move(file);
   return out;
@@ -70,17 +87,20 @@ py::dict registration(const CatheterFile& file, const std::vector<std::pair<cons
   }
   Registration found;
   {
-    const py::gil_scoped_release others_run;
+    const OthersRun others_run;
     found = identify_registration(file.catheter, positions, options);
   }
-  return registration_as_dict(found, file);
+  py::dict out = registration_as_dict(found, file);
+  out["_found"] = RegistrationFound{std::move(found), mounting, file.catheter};
+  return out;
 }
 
-ClampKnowledge clamp_of(const std::string& text) {
+ClampKnowledge clamp_of(const py::object& clamp) {
+  const std::string text = word(clamp, "clamp");
   if (text == "exact") return ClampKnowledge::kExact;
   if (text == "stated") return ClampKnowledge::kStated;
   if (text == "free") return ClampKnowledge::kFree;
-  throw InputError(fmt::format("clamp = '{}': expected exact, stated or free", text));
+  throw InputError(fmt::format("clamp = '{}': expected exact, stated or free", printable(text)));
 }
 
 py::dict arc_as_dict(const ArcFit& fit) {
@@ -94,25 +114,27 @@ py::dict arc_as_dict(const ArcFit& fit) {
   out["chi_square"] = fit.chi_square;
   out["degrees_of_freedom"] = fit.degrees_of_freedom;
   out["doubtful"] = fit.doubtful;
-  out["warnings"] = fit.warnings;
+  out["warnings"] = shown(fit.warnings);
   return out;
 }
 
 py::dict arc_of_points(const CatheterFile& file, const py::object& arc_length_m, const py::object& position_m,
-                       const py::object& sigma_m, const std::string& clamp) {
+                       const py::object& sigma_m, const py::object& clamp) {
   ArcData data;
   data.point_sigma_m = number(sigma_m, "sigma_m");
   if (!(data.point_sigma_m >= 0.0))
     throw InputError(fmt::format("sigma_m = {}: expected 0 (told by the residuals) or more", data.point_sigma_m));
   const Array s = numbers(arc_length_m, "arc_length_m", {kAnyLength});
   const Array p = numbers(position_m, "position_m", {s.size(), 3}, Values::kAny);
-  for (py::ssize_t i = 0; i < s.size(); ++i)
-    data.points.push_back({s.data()[i], Eigen::Map<const Vector3d>(p.data() + 3 * i)});
+  for (py::ssize_t i = 0; i < s.size(); ++i) {
+    const Vector3d at_m = Eigen::Map<const Vector3d>(p.data() + 3 * i);
+    if (!at_m.array().isNaN().all()) data.points.push_back({s.data()[i], at_m});
+  }
   return arc_as_dict(fit_arc(file.catheter, data, clamp_of(clamp)));
 }
 
 py::dict arc_of_recording(const CatheterFile& file, const Recording& recording, const py::object& interval,
-                          const std::string& clamp) {
+                          const py::object& clamp) {
   const Span span = span_of(interval, "interval");
   const TrackerRecording ready = bound(recording, file);
   ArcData data;
@@ -123,6 +145,7 @@ py::dict arc_of_recording(const CatheterFile& file, const Recording& recording, 
 }  // namespace
 
 void bind_shaft_identification(py::module_& m) {
+  py::class_<RegistrationFound>(m, "RegistrationFound").def("write", &RegistrationFound::write);
   m.def("identify_registration", &registration);
   m.def("fit_arc_to_points", &arc_of_points);
   m.def("fit_arc_to_recording", &arc_of_recording);

@@ -67,7 +67,7 @@ py::tuple simulate(const py::object& path, const py::object& seed, const py::obj
   ScenarioFile file;
   VirtualRun run;
   {
-    const py::gil_scoped_release others_run;
+    const OthersRun others_run;
     file = read_scenario_file(source, changes);
     try {
       run = run_scenario(file.scenario, {.stable_only = stable_only});

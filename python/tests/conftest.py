@@ -103,4 +103,5 @@ def program(variable: str) -> str:
 
 def palpate_program(*arguments: object) -> "subprocess.CompletedProcess[str]":
     command = [program("PALPATE_BINARY"), *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+    environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}  # a sanitizer's is Python's alone
+    return subprocess.run(command, capture_output=True, text=True, check=False, env=environment)

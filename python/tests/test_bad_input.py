@@ -63,7 +63,7 @@ def test_huge_forces_end(paper, size):
     assert palpate.solve_batch(paper, [[size, 0.0, 0.0]] * 3).tip.position_base_m.shape == (3, 3)
 
 
-@pytest.mark.parametrize("workers", [-1, 1.5, "2", None, True, 10**30])
+@pytest.mark.parametrize("workers", [-1, 1.5, "2", None, True, 10**30, np.array([1, 2]), np.array(2.0), [2]])
 def test_workers(paper, workers):
     refused("workers", palpate.solve_batch, paper, np.zeros((2, 3)), workers=workers)
 
@@ -111,6 +111,27 @@ def test_catheter_needs_sense():
                                       ("noise_m", "abc"), ("noise_m", (1.0, 2.0)), ("noise_rad", NAN), ("bias_m", [])])
 def test_sensor(key, bad):
     refused(key, palpate.Sensor, **{"name": "tip", key: bad})
+
+
+def test_parts_of_a_catheter_by_wrong_names():
+    """In words, as Catheter has them: never a list of C++ signatures."""
+    for kind, good, typo, meant in ((palpate.Sensor, {"name": "tip"}, "arclength_m", "arc_length_m"),
+                                    (palpate.Section, {"from_m": 0.0, "to_m": 0.1}, "precurvature", "precurvature_per_m")):
+        message = refused(typo, kind, **good, **{typo: 1.0})
+        assert message.startswith(f"{kind.__name__}: keyword '{typo}': expected") and f"is '{meant}' meant?" in message
+        first = next(iter(good))
+        assert f"{kind.__name__}: {first}: not given" in refused(first, kind, **{k: v for k, v in good.items() if k != first})
+        assert "by place" in refused(kind.__name__, kind, *range(12))
+        assert "by place" in refused(kind.__name__, kind, *good.values(), **good)
+    assert "is 'R' meant?" in refused("keyword 'r'", palpate.Pose, r=np.eye(3))
+    assert "3 arguments by place" in refused("Pose", palpate.Pose, np.eye(3), np.zeros(3), 5)
+    assert "1 arguments by place" in refused("Catheter", palpate.Catheter, "catheter.toml")
+    for name in ("T_local_sensor", "T_tracker_base"):
+        for bad in (np.eye(4), 5, "pose"):
+            message = refused(name, palpate.Sensor, "tip", **{name: bad})
+            assert message == f"{name}: {type(bad).__name__}: expected palpate.Pose"
+    for bad in ("abc", 5, [5], b"abc"):
+        assert "expected a" in refused("markers", palpate.Sensor, "tip", markers=bad)
 
 
 def test_pose():
@@ -181,6 +202,10 @@ def test_truth_and_estimate(paper):
     refused("estimate", palpate.evaluate, rows, rows[:2])
     refused("skip_s", palpate.evaluate, estimates, rows[:2], skip_s="1")
     refused("estimate", palpate.identify_delay, 5, rows)
+    for no_rows in (np.zeros(4), 5, rows, estimates.rows[0], estimates.rows.reshape(8, 10)):
+        assert "expected a structured array" in refused("rows", palpate.Estimates, no_rows)
+    estimates["status"][3] = "GUESSED"
+    assert "'GUESSED': expected one of" in refused("estimate.status", palpate.evaluate, estimates, rows[:2])
 
 
 @pytest.mark.parametrize("bad", [5, None, b"x", [], [5]])
@@ -190,6 +215,8 @@ def test_paths(paper, bad):
     refused("recording", palpate.estimate, bad, paper)
     refused("path", palpate.read_forces, bad)
     refused("scenario", palpate.simulate, bad)
+    if isinstance(bad, bytes):
+        assert "bytes: expected a path" in refused("recording", palpate.estimate, bad, paper)
 
 
 def test_identification(paper):
@@ -208,7 +235,7 @@ def test_identification(paper):
         palpate.identify_registration(paper, [])
 
 
-@pytest.mark.parametrize("keywords", [{"seed": -1}, {"seed": 1.5}, {"seed": "1"}, {"duration_s": -1.0}, {"rate_hz": NAN},
+@pytest.mark.parametrize("keywords", [{"seed": -1}, {"seed": 1.5}, {"seed": "1"}, {"seed": np.array([1, 2])}, {"duration_s": -1.0}, {"rate_hz": NAN},
                                       {"noise_free": 1}, {"stable_only": "no"}], ids=str)
 def test_simulation(keywords):
     refused(next(iter(keywords)), palpate.simulate, "none.toml", **keywords)
@@ -231,6 +258,18 @@ def test_same_message_as_the_command_line(heartbeat, tmp_path):
         with pytest.raises(palpate.InputError) as caught:
             palpate.estimate(recording, palpate.Catheter.from_toml(toml))
         assert ran.stderr.strip() == f"palpate: {caught.value}"
+
+
+def test_files_of_another_encoding(tmp_path):
+    """As a spreadsheet of 1998 writes them: what cannot be decoded is shown, and no message is lost."""
+    toml, csv = tmp_path / "c.toml", tmp_path / "r.csv"
+    toml.write_bytes("schema = 1\n[catheter]\nname = \"Prüfling\"\n".encode("latin-1"))
+    csv.write_bytes("time_s,frame,sensor,status,q0,qx,qy,qz,tx_mm,ty_mm,tz_mm,error_mm\n0,1,Müll,OK,1,0,0,0,1,2,3,\n".encode("latin-1"))
+    with pytest.raises(palpate.InputError, match=r"c.toml:3: line 'name = \"Pr\\xfcfling\"': expected TOML"):
+        palpate.Catheter.from_toml(toml)
+    recording = palpate.read_recording(csv)
+    assert recording.sensor_names == ["M\\xfcll"] and len(recording["M\\xfcll"]) == 1
+    assert list(palpate.identify_rest_noise(recording)) == recording.sensor_names
 
 
 def test_input_error_is_a_value_error():

@@ -74,6 +74,11 @@ def test_reference_corrects(heartbeat, tmp_path):
     np.testing.assert_allclose(palpate.read_estimate(out).force_tip_N, ours.force_tip_N, rtol=5.1e-9)
     assert ours.tare.frames > 0 and np.any(ours.tare.base_shift_m != 0.0)
     assert np.any(ours.catheter.T_tracker_base.p != heartbeat.catheter.T_tracker_base.p)
+    corrected = palpate.Catheter.from_text(heartbeat.toml.read_text() + "\n[reference]\nfrom_s = 0.0\nto_s = 2.0\n")
+    once = palpate.estimate(heartbeat.recording, corrected)
+    again = palpate.estimate(heartbeat.recording, once.catheter)  # what is corrected is not corrected a second time
+    assert again.tare is None
+    np.testing.assert_array_equal(again.force_tip_N, once.force_tip_N)
     with pytest.raises(palpate.InputError, match="reference"):
         palpate.estimate(heartbeat.recording, heartbeat.catheter, reference=(2.0, 0.0))
     with pytest.raises(palpate.InputError, match="expected an interval with frames"):

@@ -2,6 +2,7 @@
 """What is put into made-up measurements is found again; and the command line finds the same."""
 
 import json
+import warnings
 
 import numpy as np
 import pytest
@@ -40,6 +41,72 @@ def test_stiffness_from_a_file(tmp_path):
     fit = palpate.identify_stiffness(palpate.Catheter.from_toml(folder / "catheter.toml"), folder / "cases.toml")
     theirs = palpate.Catheter.from_toml(tmp_path / "identified.toml")
     np.testing.assert_allclose(fit.stiffness_Nm2[:2], theirs.bending_stiffness_Nm2, rtol=1e-4)
+
+
+def written(path):
+    return path.read_text(encoding="utf-8")
+
+
+def test_stiffness_is_written_as_the_command_line_writes_it(tmp_path):
+    folder = ROOT / "examples/stiffness"
+    for unknowns in ("bending", "scale", "bending,torsion"):
+        ran = palpate_program("identify", "stiffness", "--catheter", folder / "catheter.toml", "--cases",
+                              folder / "cases.toml", "--unknowns", unknowns, "--out", tmp_path / "theirs.toml")
+        assert ran.returncode == 0, ran.stderr
+        fit = palpate.identify_stiffness(palpate.Catheter.from_toml(folder / "catheter.toml"), folder / "cases.toml",
+                                         unknowns=unknowns)
+        fit.write(folder / "catheter.toml", tmp_path / "ours.toml")
+        assert written(tmp_path / "ours.toml") == written(tmp_path / "theirs.toml")
+        assert written(tmp_path / "ours.toml") != written(folder / "catheter.toml")
+
+
+def test_registration_is_written_as_the_command_line_writes_it(tmp_path):
+    """Rounded to the digits of a tracker CSV, from which both read. A base sensor has its mounting written."""
+    base = palpate.Pose(TURN, [0.1, -0.05, 0.2])
+    stated = tmp_path / "stated.toml"
+    stated.write_text("# kept\n" + shaft(TRUE_EI, sensors=SENSORS, name="c").to_toml(), encoding="utf-8")
+    files = []
+    for k in (5.0, 20.0, 40.0):
+        files.append(tmp_path / f"{k:.0f}.tracker.csv")
+        at_rest(shaft(TRUE_EI, (k, 0.0, 0.0), sensors=SENSORS), base).write_csv(files[-1])
+    for mounting in (False, True):
+        ran = palpate_program("identify", "registration", *files, "--catheter", stated, *["--mounting"][:mounting],
+                              "--out", tmp_path / "theirs.toml")
+        assert ran.returncode == 0, ran.stderr
+        catheter = palpate.Catheter.from_toml(stated)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", palpate.PalpateWarning)
+            found = palpate.identify_registration(catheter, [palpate.read_recording(file) for file in files],
+                                                  mounting=mounting)
+        found.write(stated, tmp_path / "ours.toml")
+        assert written(tmp_path / "ours.toml") == written(tmp_path / "theirs.toml")
+        assert written(tmp_path / "ours.toml").startswith("# kept\n")
+        np.testing.assert_allclose(palpate.Catheter.from_toml(tmp_path / "ours.toml").T_tracker_base.p, base.p, atol=1e-5)
+
+
+def test_arc_of_markers_that_were_not_seen():
+    """A row of NaN is left out; a column was not measured; a hole in a row is refused."""
+    places = np.linspace(0.01, LENGTH, 8)
+    points = palpate.solve(shaft(TRUE_EI, (24.0, -3.0, 0.0)), arc_lengths_m=places).position_base_m
+    points += 1e-5 * np.random.default_rng(3).normal(size=points.shape)
+    seen = np.array([0, 1, 3, 4, 5, 7])
+    few = points.copy()
+    few[[2, 6]] = np.nan
+    with pytest.warns(palpate.PalpateWarning):
+        ours, theirs, all_of_them = (palpate.fit_arc(shaft(TRUE_EI), data) for data in
+                                     ((places, few), (places[seen], points[seen]), (places, points)))
+    np.testing.assert_array_equal(ours.precurvature_per_m, theirs.precurvature_per_m)
+    assert ours.degrees_of_freedom == theirs.degrees_of_freedom == all_of_them.degrees_of_freedom - 6
+    from_one_side = points.copy()
+    from_one_side[:, 0] = np.nan
+    with pytest.warns(palpate.PalpateWarning):
+        fit = palpate.fit_arc(shaft(TRUE_EI), (places, from_one_side))
+    assert fit.told == [True, False, False] and abs(fit.precurvature_per_m[0] - 24.0) < 0.1
+    few[3, 1] = np.nan
+    with pytest.raises(palpate.InputError, match="expected the same components"):
+        palpate.fit_arc(shaft(TRUE_EI), (places, few))
+    with pytest.raises(palpate.InputError, match="expected"):
+        palpate.fit_arc(shaft(TRUE_EI), (places, np.full((8, 3), np.nan)))
 
 
 def test_arc():

@@ -2,6 +2,8 @@
 """Recordings, estimates and forces as arrays, against the text of their files."""
 
 import csv
+import os
+import subprocess
 
 import numpy as np
 import pytest
@@ -40,6 +42,15 @@ def test_small_file(small):
     assert [frame.number for frame in recording] == [7, 8, 9]
     assert recording[-1].status == ["OK", "OK"] and recording[1].tendon_moment_Nm is None
     np.testing.assert_allclose(recording[-1].position_m, [[4e-3, 5e-3, 6e-3], [7e-3, 8e-3, 9e-3]])
+
+
+def test_a_pipe(small, tmp_path):
+    """Nothing of it is read before its turn."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    with subprocess.Popen(["cp", small, pipe]) as process:
+        assert len(palpate.read_recording(pipe)) == 3
+    assert process.returncode == 0
 
 
 def test_shared_file_row_by_row():
@@ -103,6 +114,7 @@ def test_estimate_csv(tmp_path):
     e = palpate.read_estimate(path)
     np.testing.assert_allclose(e.sigma_tip_N[0], [0.1, 0.2, 0.3])
     np.testing.assert_allclose(e.covariance_tip_N2[0], [[0.01, 0.001, 0.002], [0.001, 0.04, 0.003], [0.002, 0.003, 0.09]])
+    assert not {"stiffness_Nm2", "precurvature_per_m"} & set(e.rows.dtype.names)  # no word of them in the file
     assert list(e.status) == ["UPDATED", "HELD"] and list(e.measured) == [True, False] and list(e["dof"]) == [12, 0]
 
 
@@ -130,3 +142,52 @@ def test_keywords_and_file_are_one_catheter(heartbeat):
         precurvature_sigma_per_m=(0.5, 0.5, 0.2), base_position_sigma_m=0.3e-3, base_rotation_sigma_rad=np.deg2rad(0.3))
     theirs, ours = (palpate.estimate(heartbeat.recording, one).force_tip_N for one in (told, own))
     np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-12)
+
+
+def test_what_is_shown_is_what_is_used(heartbeat):
+    """An array that could be edited would be seen to change, and the estimate would not."""
+    recording, catheter = palpate.read_recording(heartbeat.recording), heartbeat.catheter
+    for rows in (recording.frames, *(recording[name] for name in recording.sensor_names)):
+        for column in rows.dtype.names:
+            with pytest.raises(ValueError, match="read-only"):
+                rows[column][0] = rows[column][1]
+    with pytest.raises(ValueError, match="read-only"):
+        recording["tip"]["position_m"][:] += 0.01
+    moved = palpate.Recording(recording.frames["time_s"], {
+        name: (recording[name]["position_m"] + 0.001, recording[name]["quaternion_wxyz"]) for name in recording.sensor_names})
+    before, after = palpate.estimate(recording, catheter), palpate.estimate(moved, catheter)
+    assert np.abs(after.force_tip_N - before.force_tip_N).max() > 1e-3
+
+
+def test_edits_that_are_used(heartbeat):
+    """Estimates and a truth are rows and nothing else: whoever asks, asks them."""
+    estimates = palpate.estimate(heartbeat.recording, heartbeat.catheter)
+    before = palpate.evaluate(estimates, heartbeat.truth).mean_N
+    estimates["force_tip_N"][:] += [0.5, 0.0, 0.0]
+    np.testing.assert_allclose(palpate.evaluate(estimates, heartbeat.truth).mean_N, before + [0.5, 0.0, 0.0])
+    truth = palpate.read_forces(heartbeat.truth)
+    truth["force_tip_N"][:] += [0.5, 0.0, 0.0]
+    np.testing.assert_allclose(palpate.evaluate(estimates, truth).mean_N, before, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["a,b", "a\nb", 'a"b', " a", "a ", "\ta", "", "a\rb"])
+def test_names_that_a_csv_cannot_say(tmp_path, name):
+    recording = palpate.Recording([0.0], {"tip": (np.zeros((1, 3)), None), name: (np.zeros((1, 3)), None)})
+    with pytest.raises(palpate.InputError) as caught:
+        recording.write_csv(tmp_path / "out.csv")
+    shown = "".join(c if c >= " " else "?" for c in name)
+    assert str(caught.value).startswith(f"sensor '{shown}': expected a name") and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", ["a b", "Prüfling", "#1", "'", ";", "nan"])
+def test_names_that_it_can(tmp_path, name):
+    recording = palpate.Recording([0.0], {name: (np.zeros((1, 3)), None)})
+    recording.write_csv(tmp_path / "out.csv")
+    assert palpate.read_recording(tmp_path / "out.csv").sensor_names == [name]
+
+
+def test_frames_by_number(small):
+    recording = palpate.read_recording(small)
+    for index in (3, -4, 10**30, -10**30):
+        with pytest.raises(IndexError, match=f"frame {index} of 3"):
+            recording[index]

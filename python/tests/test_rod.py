@@ -142,3 +142,27 @@ def test_other_threads_run_meanwhile():
         time.sleep(0.002)
     worker.join()
     assert turns > 5
+
+
+@pytest.mark.parametrize("sensitivities", [False, True])
+def test_what_is_no_shape_has_not_converged(sensitivities):
+    """A load beyond all sense: False for its rod alone, at the tip and at every station."""
+    loads = np.vstack([forces(5), [[1e300, 0.0, 0.0]], forces(3)])
+    batch = palpate.solve_batch(shaft(), loads, arc_lengths_m=[0.0, 0.03], sensitivities=sensitivities)
+    expected = [True] * 5 + [False] + [True] * 3
+    for converged in (batch.converged, batch.tip.converged, *(station.converged for station in batch.stations)):
+        assert converged.dtype == np.bool_ and converged.tolist() == expected
+    assert not np.isfinite(batch.tip.position_base_m[5]).all()
+    for force, good in zip(loads, expected):
+        shape = palpate.solve(shaft(), force, sensitivities=sensitivities)
+        assert shape.converged is good
+        assert np.isfinite(shape.position_base_m).all() == good
+    assert palpate.solve_batch(shaft(), np.zeros((0, 3))).converged.shape == (0,)
+
+
+def test_what_is_beyond_the_integrators_reach_has_not_converged():
+    """In one piece 10 kN is off by 4 % of the length, finite as it is; in pieces of a millimetre it is right."""
+    load, whole, fine = [0.0, 6e3, -8e3], [0.0, 0.07], np.linspace(0.0, 0.07, 71)
+    assert not palpate.solve(shaft(), load, arc_lengths_m=whole).converged
+    assert palpate.solve(shaft(), load, arc_lengths_m=fine).converged
+    assert palpate.solve_batch(shaft(), [load, [0.0, 0.1, 0.2]], arc_lengths_m=whole).converged.tolist() == [False, True]
