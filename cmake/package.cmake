@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# cpack -G DEB makes palpate (program), libpalpate-dev (library) and, with MPI, palpate-mpi: who does not run campaigns
-# over several machines installs no MPI.
+# cpack -G DEB makes palpate (program), libpalpate-dev (library), python3-palpate and, with MPI, palpate-mpi: who does not
+# run campaigns over several machines installs no MPI.
 set(PALPATE_PACKAGE_CONTACT "Palpate maintainers <palpate@palpate.invalid>" CACHE STRING
     "Maintainer of the packages, name <address>: for who publishes them to set")
 set(debian ${CMAKE_CURRENT_LIST_DIR}/debian)
@@ -55,6 +55,34 @@ Research software: not for clinical use.")
   set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "palpate (= ${PROJECT_VERSION}-1)")
   file(WRITE ${package_files}/palpate-study-mpi.1 ".so man1/palpate-study.1\n")
   install(FILES ${package_files}/palpate-study-mpi.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT mpi)
+endif()
+
+if(TARGET palpate_python)
+  palpate_package(python python3-palpate)
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Force on a catheter's tip from its shape (Python 3)
+import palpate: the rod's shape, live and offline estimates of the force with
+its uncertainty, identification, simulation, recordings as numpy arrays, and
+pictures with matplotlib.
+
+Research software: not for clinical use.")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  # The compiled module is of one version of Python.
+  math(EXPR next "${Python_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+      "python3 (>= 3.${Python_VERSION_MINOR}~), python3 (<< 3.${next}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS python3-matplotlib)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${debian}/postinst ${debian}/prerm)
+  # Debian's place, so no part of a plain cmake --install: elsewhere pip knows where it belongs.
+  set(packages lib/python3/dist-packages/palpate)
+  install(TARGETS palpate_python LIBRARY DESTINATION ${packages} COMPONENT python EXCLUDE_FROM_ALL)
+  install(FILES ${palpate_python_files} DESTINATION ${packages} COMPONENT python EXCLUDE_FROM_ALL)
+  # As they lie in the source, so that each finds what it reads.
+  set(documents ${CMAKE_INSTALL_DATADIR}/doc/python3-palpate)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${documents} COMPONENT python EXCLUDE_FROM_ALL
+          FILES_MATCHING PATTERN "*.py" PATTERN "*.toml" PATTERN "*.csv")
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/python/examples DESTINATION ${documents}/python COMPONENT python
+          EXCLUDE_FROM_ALL FILES_MATCHING PATTERN "*.py")
 endif()
 
 set(CPACK_PACKAGE_NAME palpate)

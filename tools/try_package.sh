@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Installs the Debian packages of a build in a bare Debian 12 root and uses them there: estimates an example's force,
-# reads the manual, completes in the shells, builds the consumer project. To be run as root; fetches some 500 MB from
+# reads the manual, completes in the shells, draws the force in Python, builds the consumer project. To be run as root; fetches some 500 MB from
 # the mirror that apt is configured with.
 # Usage: tools/try_package.sh [ROOT] [BUILD]     ROOT: kept, and used again; a temporary one is removed
 set -euo pipefail
@@ -69,6 +69,15 @@ _palpate
 echo "bash proposes ${COMPREPLY[*]}"
 ASK
   bash /root/ask.bash | grep "svg png"'
+
+echo "== Python"
+install_packages "--no-install-recommends /packages/python3-palpate_*.deb"
+inside 'cd /root
+  python3 -c "import palpate; print(palpate.__version__, palpate.__file__)"
+  python3 /usr/share/doc/python3-palpate/examples/05_batch.py'
+install_packages "python3-matplotlib"
+inside 'cd /root
+  python3 /usr/share/doc/python3-palpate/python/examples/force_plot.py run.catheter.toml run.tracker.csv run.force.csv'
 
 echo "== the library, and a project that uses it"
 install_packages "/packages/libpalpate-dev_*.deb cmake make g++"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -D BUILD_DIR=... -P unpack_and_run.cmake
+# cmake -D BUILD_DIR=... -D PYTHON=... -P unpack_and_run.cmake     PYTHON: that of the built module; empty: none
 # Makes the Debian packages of the build, unpacks them into an empty folder and runs the program from there on the
 # examples that stand beside it. tools/try_package.sh does the same where nothing else is installed.
 set(place ${BUILD_DIR}/package_test)
@@ -51,10 +51,22 @@ expect("estimate" "${output}")
 run(${palpate} simulate ${example} --out run --duration 5)
 run(${palpate} estimate --catheter run.catheter.toml run.tracker.csv --out run.estimate.csv)
 run(${palpate} evaluate --estimate run.estimate.csv --truth run.force.csv --json)
-# Along x the scenario's flowing blood, which is not tissue, exceeds the sigma.
-foreach(axis IN ITEMS y z)
+foreach(axis IN ITEMS x y z)
   string(JSON inside GET "${output}" share_inside_3_sigma ${axis})
   if(inside LESS 0.95)
     message(SEND_ERROR "the truth lies inside 3 sigma in a share of ${inside} of the frames:\n${output}")
   endif()
 endforeach()
+
+if(NOT PYTHON)
+  return()
+endif()
+file(GLOB module ${place}/python3-palpate_*.deb)
+run(dpkg-deb --info ${module})
+expect("Depends: [^\n]*python3-numpy" "${output}")
+set(ENV{PYTHONPATH} ${root}/usr/lib/python3/dist-packages)
+set(ENV{MPLBACKEND} Agg)
+run(${PYTHON} -B -c "print(__import__('palpate').__file__)")
+expect("${root}/usr/lib/python3/dist-packages/palpate/__init__.py" "${output}")
+run(${PYTHON} -B ${root}/usr/share/doc/python3-palpate/python/examples/force_plot.py)
+expect("written: force.png" "${output}")
