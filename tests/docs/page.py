@@ -5,7 +5,8 @@ import re
 from dataclasses import dataclass, field
 
 SHELLS = ("", "sh", "bash", "console")
-DIRECTIVE = re.compile(r"<!--\s*(run|norun|needs|output|prints|exit|skip)\s*(?::\s*(.*?))?\s*-->\s*$")
+COMPARED = ("output", "prints", "answer")
+DIRECTIVE = re.compile(r"<!--\s*(run|norun|needs|output|prints|answer|exit|skip|serves|tracker|file)\s*(?::\s*(.*?))?\s*-->\s*$")
 
 
 @dataclass
@@ -13,10 +14,13 @@ class Step:
     """One thing that a page does: commands, or what they must have printed."""
 
     line: int
-    kind: str  # "commands", "setup", "output", "prints"
-    lines: list
+    kind: str  # "commands", "setup", "python", "file", or one of COMPARED
+    lines: list  # of "commands" one a line, else as they stand
     norun: str = ""  # why it is not run
     needs: str = ""  # what must be there for it
+    serves: str = ""  # the service that runs meanwhile
+    tracker: str = ""  # the recording that a tracker's server plays meanwhile
+    name: str = ""  # of the file to write
     exit_code: int = 0
     skip: tuple = ()  # beginnings of commands that are not run, and why: pairs
 
@@ -65,13 +69,19 @@ def indented(lines, start):
 def step_of(block, directives):
     """What a block is, by the directives before it and its first line; None where it is nothing to run."""
     first = next((line.strip() for line in block.lines if line.strip()), "")
-    for kind in ("output", "prints"):
+    for kind in COMPARED:
         if kind in directives:
             return Step(block.line, kind, [line.rstrip() for line in block.lines if line.strip()])
-    if "run" not in directives and not (first.startswith("palpate ") and block.language in SHELLS):
+    common = {"norun": directives.get("norun", ""), "needs": directives.get("needs", "")}
+    if "file" in directives:
+        return Step(block.line, "file", block.lines, name=directives["file"], **common)
+    if block.language == "python":
+        return Step(block.line, "python", block.lines, **common)
+    is_command = "run" in directives or first.startswith(("palpate ", "curl "))
+    if not is_command or block.language not in SHELLS:
         return None
-    return Step(block.line, "commands", joined(block.lines), directives.get("norun", ""), directives.get("needs", ""),
-                int(directives.get("exit", 0)), tuple(directives.get("skip", ())))
+    return Step(block.line, "commands", joined(block.lines), serves=directives.get("serves", ""), tracker=directives.get("tracker", ""),
+                exit_code=int(directives.get("exit", 0)), skip=tuple(directives.get("skip", ())), **common)
 
 
 def read_page(text):

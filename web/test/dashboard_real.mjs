@@ -84,13 +84,15 @@ async function demonstration(browser, palpate, artifacts) {
   await page.keyboard.type('from the page');
   await page.keyboard.press('Enter');
   await until('the note comes back', () => text(page, 'notes'), (said) => /\d\d:\d\d:\d\d from the page/.test(said));
+  await word(page, 'LIVE', 10_000);
+  await page.screenshot({ path: join(artifacts, 'dashboard_demo.png') }); // docs/figures/dashboard.png
   assert.deepEqual(seen.complaints, []);
   await until('the answer', () => page.evaluate(() => document.activeElement === document.body), Boolean);
   await page.keyboard.press('t');
   await page.keyboard.press('Tab'); // from the no to the yes
   await page.keyboard.press('Enter');
   await until('the refusal of the tare', () => text(page, 'notes'), (said) => said.includes('not tared: tare: the catheter file is sure'));
-  await page.screenshot({ path: join(artifacts, 'dashboard_demo.png') });
+  await page.screenshot({ path: join(artifacts, 'dashboard_demo_refused.png') });
   await fits(page);
   seen.complaints.splice(0, 1, ...seen.complaints.slice(0, 1).filter((said) => !said.includes('409'))); // the browser's own word
   calm(seen);
