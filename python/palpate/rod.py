@@ -29,8 +29,8 @@ class Shape:
     force_local_N, moment_local_Nm  (n, 3)  internal, of the distal on the proximal part
     T_base_tip         Pose of the flexible end
     force_tip_N        (3,)       the load
-    converged          False: the load is beyond the integrator's reach (a thousand times a catheter's), something here is no
-                       finite number, or the Newton loop around the shaft's own weight found no answer
+    converged          False: the load is beyond the integrator's reach (a thousand times a catheter's) or not finite, or the
+                       Newton loop around the shaft's own weight found no answer
     d_rotation         (n, 3, 3)  column j: by tip force component j [rad/N], body side: dR = R hat(d_rotation dF)
     d_position_m       (n, 3, 3)  [m/N], base components
     d_curvature_per_m  (n, 3, 3)  [1/(m N)]; these three None unless sensitivities were asked for
@@ -94,7 +94,7 @@ def solve(
 class BatchPoints:
     """One place of n rods; fields as of Shape, first index the rod. Views of the batch's own memory, not copies: a
     rod's components do not lie side by side (numpy.ascontiguousarray puts them so). converged (n,): False where the
-    load is beyond the integrator's reach, or anything of the rod, at the tip or at a station, is no finite number."""
+    load is beyond the integrator's reach, or not finite."""
 
     position_base_m: Floats
     R_base_local: Floats

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <pybind11/eigen.h>
 
-#include <algorithm>
 #include <palpate/math/errors.hpp>
 #include <palpate/rod/base_loads.hpp>
 #include <palpate/rod/reach.hpp>

@@ -160,6 +160,19 @@ def test_what_is_no_shape_has_not_converged(sensitivities):
     assert palpate.solve_batch(shaft(), np.zeros((0, 3))).converged.shape == (0,)
 
 
+@pytest.mark.parametrize("log_stiffness", [800.0, -800.0, -20.0, 20.0])
+def test_what_has_converged_is_finite(log_stiffness):
+    """Also where the stiffness itself is more than a number can be: the moments come from the forces."""
+    load, stiffness = [0.0, 0.1, 0.0], [log_stiffness] * 3
+    shape = palpate.solve(shaft(), load, log_stiffness=stiffness)
+    batch = palpate.solve_batch(shaft(), [load], log_stiffness=[stiffness], sensitivities=True)
+    assert shape.converged == batch.converged[0] == (log_stiffness > 0.0)
+    if shape.converged:
+        for numbers in (shape.position_base_m, shape.curvature_per_m, shape.moment_local_Nm, batch.tip.d_position_m,
+                        batch.tip.curvature_per_m):
+            assert np.isfinite(numbers).all()
+
+
 def test_what_is_beyond_the_integrators_reach_has_not_converged():
     """In one piece 10 kN is off by 4 % of the length, finite as it is; in pieces of a millimetre it is right."""
     load, whole, fine = [0.0, 6e3, -8e3], [0.0, 0.07], np.linspace(0.0, 0.07, 71)
